@@ -7,7 +7,8 @@
 
 namespace lumo::rhi {
 
-/// Names a resource of one device. A handle outlives its resource harmlessly: using it then is Check::stale_handle.
+/// Names a resource of one device. A handle outlives its resource harmlessly: using it then is
+/// Check::stale_handle.
 template <class Tag>
 struct Handle {
     uint32_t index = 0;
@@ -57,8 +58,8 @@ struct Sampled {
     constexpr Sampled(View<D> v, SamplerHandle s) : view(v), sampler(s) {}
 };
 
-/// One mip of a texture, read or written texel by texel. The view's format may be another of the same size, such
-/// as r32_uint for rgba8_unorm, where the texture declares it.
+/// One mip of a texture, read or written texel by texel. The view's format may be another of the same size,
+/// such as r32_uint for rgba8_unorm, where the texture declares it.
 template <Dimension D, TexelKind K = TexelKind::floating>
 struct StorageImage {
     TextureView view;
@@ -86,7 +87,8 @@ struct BindingValue {
     BufferSlice slice;
 
     template <Dimension D, TexelKind K>
-    constexpr BindingValue(const Sampled<D, K>& s) : kind(BindingKind::sampled), view(s.view), sampler(s.sampler) {}
+    constexpr BindingValue(const Sampled<D, K>& s)
+        : kind(BindingKind::sampled), view(s.view), sampler(s.sampler) {}
     template <Dimension D, TexelKind K>
     constexpr BindingValue(const StorageImage<D, K>& s) : kind(BindingKind::storage_image), view(s.view) {}
     constexpr BindingValue(const StorageBuffer& s) : kind(BindingKind::storage_buffer), slice(s.slice) {}

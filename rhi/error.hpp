@@ -34,7 +34,8 @@ std::string to_string(const Error& error);
 template <class T>
 using Result = tl::expected<T, Error>;
 
-inline tl::unexpected<Error> fail(ErrorKind kind, std::string subject, std::string message, std::string remedy = {}) {
+inline tl::unexpected<Error> fail(ErrorKind kind, std::string subject, std::string message,
+                                  std::string remedy = {}) {
     return tl::unexpected<Error>(Error{kind, std::move(subject), std::move(message), std::move(remedy)});
 }
 

@@ -43,11 +43,11 @@ inline constexpr int format_count = int(Format::bc7_rgba_srgb) + 1;
 enum class FormatKind : uint8_t { unorm, srgb, floating, uint, sint, depth };
 
 struct FormatInfo {
-    std::string_view name;       ///< as the enumerator
+    std::string_view name;  ///< as the enumerator
     FormatKind kind;
     uint8_t channels;
     uint8_t bytes_per_block;
-    uint8_t block_side;          ///< texels; 4 for the BC formats, else 1
+    uint8_t block_side;  ///< texels; 4 for the BC formats, else 1
 };
 
 const FormatInfo& format_info(Format format);

@@ -1,6 +1,6 @@
-// A compiled shader program as data. The shader compiler writes one ProgramInfo per program, and beside it a C++
-// type with the program's Bindings, Push and Options (see shadercompiler/). Techniques use those types; only the
-// core of the RHI and the backends read what is here.
+// A compiled shader program as data. The shader compiler writes one ProgramInfo per program, and beside it a
+// C++ type with the program's Bindings, Push and Options (see shadercompiler/). Techniques use those types;
+// only the core of the RHI and the backends read what is here.
 #pragma once
 
 #include <array>
@@ -33,13 +33,13 @@ struct BindingInfo {
     std::string_view name;
     uint32_t binding;
     BindingKind kind;
-    Dimension dimension;     ///< sampled and storage_image
-    TexelKind texel;         ///< sampled and storage_image
-    Format format;           ///< storage_image: as declared in the shader; undefined for a write without format
+    Dimension dimension;  ///< sampled and storage_image
+    TexelKind texel;      ///< sampled and storage_image
+    Format format;        ///< storage_image: as declared in the shader; undefined for a write without format
     ShaderAccess access;
-    Stages stages;           ///< those that use it
-    uint32_t gl_slot;        ///< OpenGL's unit of its kind: texture, image, shader storage or uniform block
-    uint32_t min_size;       ///< buffers: bytes of the fixed part of the block
+    Stages stages;      ///< those that use it
+    uint32_t gl_slot;   ///< OpenGL's unit of its kind: texture, image, shader storage or uniform block
+    uint32_t min_size;  ///< buffers: bytes of the fixed part of the block
 };
 
 enum class OptionType : uint8_t { boolean, sint, uint, floating };
@@ -52,8 +52,8 @@ struct OptionInfo {
     uint32_t default_bits;
 };
 
-/// One stage in both languages. The SPIR-V has entry point main. The OpenGL text is GLSL 450 whose specialization
-/// constants are macros SPIRV_CROSS_CONSTANT_ID_n, to be defined after its #version line.
+/// One stage in both languages. The SPIR-V has entry point main. The OpenGL text is GLSL 450 whose
+/// specialization constants are macros SPIRV_CROSS_CONSTANT_ID_n, to be defined after its #version line.
 struct StageInfo {
     Stages stage;
     std::span<const uint32_t> spirv;
@@ -63,9 +63,9 @@ struct StageInfo {
 struct ProgramInfo {
     std::string_view name;  ///< FOLDER/STEM of its sources below shaders/
     std::span<const StageInfo> stages;
-    std::span<const BindingInfo> bindings;  ///< by ascending binding number
-    std::span<const OptionInfo> options;    ///< by ascending id
-    uint32_t push_size = 0;                 ///< bytes, at most max_push_size, 0 without a push block
+    std::span<const BindingInfo> bindings;        ///< by ascending binding number
+    std::span<const OptionInfo> options;          ///< by ascending id
+    uint32_t push_size = 0;                       ///< bytes, at most max_push_size, 0 without a push block
     std::array<uint32_t, 3> local_size{1, 1, 1};  ///< compute
     uint32_t color_outputs = 0;                   ///< bit i: the fragment stage writes location i
     uint64_t hash = 0;                            ///< of all code in it
@@ -95,7 +95,7 @@ concept Program = requires {
     typename P::Bindings;
     typename P::Push;
     typename P::Options;
-    { P::info() };
+    {P::info()};
 };
 
 }  // namespace lumo::rhi

@@ -1,0 +1,153 @@
+// Hazards: which accesses to memory must wait for which, decided without any API.
+//
+// Work is a sequence of scopes: one dispatch, one copy, or one whole raster pass. A scope's uses of each
+// buffer and each texture mip are compared with the last write and the reads since; read after write, write
+// after read, write after write and changes of image layout ask for a barrier in front of the scope. Both
+// backends get the same barriers. OpenGL needs those after incoherent shader writes alone; Vulkan needs all.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rhi/bindings.hpp"
+
+namespace lumo::rhi {
+
+/// Ways to touch memory, as bits.
+enum class Access : uint16_t {
+    none = 0,
+    indirect_read = 1,
+    index_read = 2,
+    uniform_read = 4,
+    sampled_read = 8,
+    storage_read = 16,
+    storage_write = 32,     ///< with storage_read where it also reads; atomics are both
+    color_attachment = 64,  ///< reads and writes
+    depth_attachment = 128,
+    copy_read = 256,
+    copy_write = 512,
+    host_read = 1024,
+    present = 2048,
+};
+template <>
+inline constexpr bool is_flags<Access> = true;
+
+inline constexpr Access write_accesses =
+    Access::storage_write | Access::color_attachment | Access::depth_attachment | Access::copy_write;
+
+constexpr bool is_write(Access access) { return has(access, write_accesses); }
+
+/// A buffer, or one mip of a texture with all its layers.
+struct MemoryId {
+    enum class Kind : uint8_t { buffer, texture } kind = Kind::buffer;
+    uint32_t index = 0;  ///< of the resource's handle
+    uint32_t mip = 0;
+
+    auto operator<=>(const MemoryId&) const = default;
+};
+
+/// How a texture's mip lies in memory while it is used. Buffers stay undefined.
+enum class Layout : uint8_t {
+    undefined,
+    general,
+    read_only,
+    color_attachment,
+    depth_attachment,
+    copy_source,
+    copy_destination,
+    present
+};
+
+struct Use {
+    MemoryId memory;
+    Access access = Access::none;
+    Stages stages = Stages::none;       ///< the shader stages of uniform, sampled and storage accesses
+    Layout layout = Layout::undefined;  ///< that the texture must have
+    bool discard = false;               ///< all that it held before may be lost
+    bool commutative = false;           ///< by atomics whose order does not matter
+
+    bool operator==(const Use&) const = default;
+};
+
+/// What happens between two sets of barriers. At most one use per memory.
+struct Scope {
+    std::string label;
+    std::vector<Use> uses;
+    bool unordered = false;  ///< its commutative uses need not wait for earlier commutative ones
+
+    bool operator==(const Scope&) const = default;
+};
+
+/// `after` may start only when `before` is done, and sees what it wrote. Without a write in `before` it is an
+/// execution dependency and, where the layouts differ, a layout transition.
+struct Barrier {
+    MemoryId memory;
+    Access before = Access::none;  ///< none: first use, a transition from undefined
+    Stages before_stages = Stages::none;
+    Layout before_layout = Layout::undefined;
+    Access after = Access::none;
+    Stages after_stages = Stages::none;
+    Layout after_layout = Layout::undefined;
+    bool discard = false;  ///< the contents need not survive the transition
+
+    bool operator==(const Barrier&) const = default;
+};
+
+/// What is remembered of one memory: its last write, the reads since, its layout.
+struct MemoryState {
+    Access write = Access::none;
+    Stages write_stages = Stages::none;
+    Access reads = Access::none;
+    Stages read_stages = Stages::none;
+    Access visible_reads = Access::none;  ///< accesses that a barrier has made the write visible to
+    Stages visible_stages = Stages::none;
+    Layout layout = Layout::undefined;
+    bool commutative = false;  ///< the last write was
+};
+
+/// The state of all memory between scopes.
+class HazardTracker {
+  public:
+    /// The barriers that `scope` needs in front of it, sorted by memory; then counts the scope as done.
+    std::vector<Barrier> enter(const Scope& scope);
+    /// Forgets a destroyed resource.
+    void forget(MemoryId::Kind kind, uint32_t index);
+
+  private:
+    std::map<MemoryId, MemoryState> states_;
+};
+
+/// One use per memory out of many: accesses and stages united; general layout where they disagree. Returns
+/// the memory of the first pair that must not meet in one scope (a write beside another use, unless every use
+/// of that memory in the scope is commutative or is the same storage binding).
+struct MergedUses {
+    std::vector<Use> uses;
+    bool conflict = false;
+    MemoryId conflicting;
+};
+MergedUses merge_uses(std::span<const Use> uses);
+
+/// Barriers in front of each scope, from nothing known.
+std::vector<std::vector<Barrier>> plan_barriers(std::span<const Scope> scopes);
+
+/// A hazard that a plan leaves open.
+struct Hazard {
+    size_t scope = 0;
+    MemoryId memory;
+    std::string why;
+};
+
+/// Checks a plan by another way than planning it: follows every pair of uses of the same memory and asks
+/// whether the barriers between them order them and carry the layout. Empty when the plan is sound.
+std::vector<Hazard> find_hazards(std::span<const Scope> scopes,
+                                 std::span<const std::vector<Barrier>> barriers);
+
+/// The plan as text, a line a scope and an indented line a barrier; names give memory its label.
+std::string to_text(std::span<const Scope> scopes, std::span<const std::vector<Barrier>> barriers,
+                    const std::map<MemoryId, std::string>& names = {});
+
+}  // namespace lumo::rhi
