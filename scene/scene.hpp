@@ -28,8 +28,8 @@ struct Bounds {
 };
 
 struct Vertex {
-    glm::vec3 position{0};      ///< object space, metres
-    glm::vec3 normal{0, 1, 0};  ///< object space, unit length
+    glm::vec3 position{0};          ///< object space, metres
+    glm::vec3 normal{0, 1, 0};      ///< object space, unit length
     glm::vec4 tangent{1, 0, 0, 1};  ///< xyz unit length; bitangent = w * cross(normal, tangent), w is 1 or -1
     glm::vec2 uv0{0};               ///< glTF's: origin at the top left of the image
     glm::vec2 uv1{0};
@@ -65,18 +65,18 @@ enum class AlphaMode : uint8_t { opaque, mask, blend };
 
 /// glTF's metallic-roughness material. Base colour and emission textures are sRGB, the others linear.
 struct Material {
-    std::string name;
+    std::string name = {};
     glm::vec4 base_color{1};  ///< linear; multiplies texture and vertex colour
     float metallic = 1;
-    float roughness = 1;       ///< perceptual; alpha = roughness²
-    glm::vec3 emission{0};     ///< radiance, W/m²/sr, emissive strength included; multiplies its texture
+    float roughness = 1;    ///< perceptual; alpha = roughness²
+    glm::vec3 emission{0};  ///< radiance, W/m²/sr, emissive strength included; multiplies its texture
     float normal_scale = 1;
     float occlusion_strength = 1;
-    std::optional<TextureSlot> base_color_texture;
-    std::optional<TextureSlot> metallic_roughness_texture;  ///< G roughness, B metallic
-    std::optional<TextureSlot> normal_texture;              ///< tangent space, +Y up (OpenGL's convention)
-    std::optional<TextureSlot> occlusion_texture;           ///< R
-    std::optional<TextureSlot> emission_texture;
+    std::optional<TextureSlot> base_color_texture = {};
+    std::optional<TextureSlot> metallic_roughness_texture = {};  ///< G roughness, B metallic
+    std::optional<TextureSlot> normal_texture = {};     ///< tangent space, +Y up (OpenGL's convention)
+    std::optional<TextureSlot> occlusion_texture = {};  ///< R
+    std::optional<TextureSlot> emission_texture = {};
     AlphaMode alpha_mode = AlphaMode::opaque;
     float alpha_cutoff = 0.5f;  ///< for mask
     bool double_sided = false;
@@ -85,8 +85,8 @@ struct Material {
     bool emits() const { return emission != glm::vec3(0); }
 };
 
-/// Triangles of one material: index_count / 3 of them in Scene::indices from first_index. Each index is relative
-/// to Scene::vertices[0].
+/// Triangles of one material: index_count / 3 of them in Scene::indices from first_index. Each index is
+/// relative to Scene::vertices[0].
 struct Primitive {
     uint32_t first_index = 0;
     uint32_t index_count = 0;
@@ -94,13 +94,13 @@ struct Primitive {
 };
 
 struct Mesh {
-    std::string name;
-    std::vector<Primitive> primitives;
+    std::string name = {};
+    std::vector<Primitive> primitives = {};
 };
 
 /// A mesh placed in the world.
 struct Instance {
-    uint32_t mesh = 0;  ///< index into Scene::meshes
+    uint32_t mesh = 0;               ///< index into Scene::meshes
     glm::mat4 world_from_object{1};  ///< affine, invertible; negative determinants (mirrors) are allowed
 };
 
@@ -108,10 +108,11 @@ enum class LightKind : uint8_t { directional, point, spot };
 
 /// An analytic light, KHR_lights_punctual.
 struct Light {
-    std::string name;
+    std::string name = {};
     LightKind kind = LightKind::directional;
-    glm::vec3 intensity{0};  ///< directional: irradiance on a facing plane, W/m²; else radiant intensity, W/sr
-    glm::vec3 position{0};   ///< world; point and spot
+    /// Directional: irradiance on a facing plane, W/m²; point and spot: radiant intensity, W/sr.
+    glm::vec3 intensity{0};
+    glm::vec3 position{0};          ///< world; point and spot
     glm::vec3 direction{0, -1, 0};  ///< world, unit length, the way the light travels; directional and spot
     float range = 0;                ///< metres; 0 is unbounded
     float inner_cone_angle = 0;     ///< radians, from the axis
@@ -120,35 +121,36 @@ struct Light {
 
 /// A pinhole camera.
 struct Camera {
-    std::string name;
+    std::string name = {};
     glm::vec3 position{0};
-    glm::vec3 target{0, 0, -1};        ///< a point on the optical axis
-    glm::vec3 up{0, 1, 0};             ///< not parallel to the axis
-    float vertical_fov = 0.785398f;    ///< radians
-    float near_plane = 0.05f;          ///< metres
-    float far_plane = 1000;            ///< metres; the loader makes it finite
-    std::optional<float> orthographic_height;  ///< metres; set for an orthographic camera
+    glm::vec3 target{0, 0, -1};                     ///< a point on the optical axis
+    glm::vec3 up{0, 1, 0};                          ///< not parallel to the axis
+    float vertical_fov = 0.785398f;                 ///< radians
+    float near_plane = 0.05f;                       ///< metres
+    float far_plane = 1000;                         ///< metres; the loader makes it finite
+    std::optional<float> orthographic_height = {};  ///< metres; set for an orthographic camera
 };
 
 /// Everything that a frame may need. Indices between its parts are valid by construction.
 struct Scene {
-    std::string name;
-    std::vector<Vertex> vertices;
-    std::vector<uint32_t> indices;
-    std::vector<Mesh> meshes;
-    std::vector<Instance> instances;
-    std::vector<Material> materials;  ///< at least one where there is a primitive
-    std::vector<Texture> textures;
-    std::vector<Image8> images;
-    std::vector<Light> lights;
-    std::vector<Camera> cameras;
-    glm::vec3 environment_radiance{0};  ///< W/m²/sr from everywhere outside the geometry
-    std::vector<std::string> warnings;  ///< what the file uses and lumo does not do, one line each
+    std::string name = {};
+    std::vector<Vertex> vertices = {};
+    std::vector<uint32_t> indices = {};
+    std::vector<Mesh> meshes = {};
+    std::vector<Instance> instances = {};
+    std::vector<Material> materials = {};  ///< at least one where there is a primitive
+    std::vector<Texture> textures = {};
+    std::vector<Image8> images = {};
+    std::vector<Light> lights = {};
+    std::vector<Camera> cameras = {};
+    glm::vec3 environment_radiance{0};       ///< W/m²/sr from everywhere outside the geometry
+    std::vector<std::string> warnings = {};  ///< what the file uses and lumo does not do, one line each
 
     uint64_t triangle_count() const;  ///< instances counted each
 };
 
-/// World bounds of all instances; empty for a scene without triangles.
+/// World bounds of all instances; empty for a scene without triangles. Exact up to 2^28 corners of triangles
+/// in instances that are turned, beyond that never too small.
 Bounds world_bounds(const Scene& scene);
 
 /// The camera that is used when none is asked for: the scene's first, or one that sees all of its bounds.
