@@ -67,10 +67,11 @@ Planes convolved(const Planes& image, const Kernel& along_x, const Kernel& along
         for (int y = 0; y < in.height; ++y) {
             for (int x = 0; x < in.width; ++x) {
                 glm::vec4& sum = out.values[size_t(y) * in.width + x];
-                for (int tap = -radius; tap <= radius; ++tap) {
-                    const int from_x = std::clamp(x + tap * step_x, 0, in.width - 1);
-                    const int from_y = std::clamp(y + tap * step_y, 0, in.height - 1);
-                    sum += kernel[size_t(tap + radius)] * in.values[size_t(from_y) * in.width + from_x];
+                for (size_t tap = 0; tap < kernel.size(); ++tap) {
+                    const int offset = int(tap) - radius;
+                    const int from_x = std::clamp(x + offset * step_x, 0, in.width - 1);
+                    const int from_y = std::clamp(y + offset * step_y, 0, in.height - 1);
+                    sum += kernel[tap] * in.values[size_t(from_y) * in.width + from_x];
                 }
             }
         }

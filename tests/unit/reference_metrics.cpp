@@ -115,7 +115,10 @@ TEST(Bias, IsSignedAndZeroForNoiseThatCancels) {
 
 TEST(Percentile95, IsTheNearestRankOverBlocks) {
     // 20 blocks in a row, of which block i is off by i parts in a hundred: the 19th of 20 is off by 18.
-    const ImageF test = make(80, 4, 3, [](uint32_t x, uint32_t, uint32_t) { return 1 + float(x / 4) / 100; });
+    const ImageF test = make(80, 4, 3, [](uint32_t x, uint32_t, uint32_t) {
+        const uint32_t block = x / 4;
+        return 1 + float(block) / 100;
+    });
     EXPECT_NEAR(*percentile95_relative(constant(80, 4, 1), test), 0.18, 1e-6);
 }
 
