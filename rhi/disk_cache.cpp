@@ -1,10 +1,5 @@
 #include "rhi/disk_cache.hpp"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,7 +7,11 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
 #include <system_error>
+#include <unistd.h>
 
 namespace lumo::rhi {
 namespace {
@@ -95,11 +94,13 @@ tl::unexpected<Error> io_error(const fs::path& path, std::string_view what) {
 Result<void> make_private_folder(const fs::path& folder) {
     std::error_code error;
     fs::create_directories(folder.parent_path(), error);
-    if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) return io_error(folder, "cannot make the folder");
+    if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
+        return io_error(folder, "cannot make the folder");
     struct stat status {};
     if (::stat(folder.c_str(), &status) != 0) return io_error(folder, "cannot read the folder");
     if (!S_ISDIR(status.st_mode) || status.st_uid != ::geteuid()) {
-        return fail(ErrorKind::io, folder.string(), "not a folder of this user", "the disk cache goes unused");
+        return fail(ErrorKind::io, folder.string(), "not a folder of this user",
+                    "the disk cache goes unused");
     }
     if ((status.st_mode & 0077) != 0 && ::chmod(folder.c_str(), 0700) != 0) {
         return io_error(folder, "cannot take away the access of others");
@@ -183,7 +184,8 @@ DiskCache DiskCache::of_user() {
     return DiskCache({});
 }
 
-DiskCache::DiskCache(fs::path folder, uint64_t max_bytes) : folder_(std::move(folder)), max_bytes_(max_bytes) {}
+DiskCache::DiskCache(fs::path folder, uint64_t max_bytes)
+    : folder_(std::move(folder)), max_bytes_(max_bytes) {}
 
 std::optional<std::vector<std::byte>> DiskCache::get(const CacheKey& key) const {
     if (folder_.empty()) return std::nullopt;
@@ -217,8 +219,9 @@ Result<void> DiskCache::put(const CacheKey& key, std::span<const std::byte> byte
     }
     const Header header = header_of(key, bytes);
     if (bytes.size() + sizeof header > max_bytes_) {
-        return fail(ErrorKind::limit, "disk cache",
-                    fmt::format("an entry of {} bytes is above the bound of {} for all", bytes.size(), max_bytes_));
+        return fail(
+            ErrorKind::limit, "disk cache",
+            fmt::format("an entry of {} bytes is above the bound of {} for all", bytes.size(), max_bytes_));
     }
     if (Result<void> made = make_private_folder(folder_); !made) return made;
 
@@ -226,8 +229,8 @@ Result<void> DiskCache::put(const CacheKey& key, std::span<const std::byte> byte
     File file(::mkostemps(part.data(), int(unfinished_suffix.size()), O_CLOEXEC));
     if (!file) return io_error(part, "cannot make the file");
     // No fsync: an entry that a power cut tears fails its checksum.
-    if (!file.write_all(&header, sizeof header) || !file.write_all(bytes.data(), bytes.size()) || !file.close() ||
-        ::rename(part.c_str(), entry_path(folder_, key).c_str()) != 0) {
+    if (!file.write_all(&header, sizeof header) || !file.write_all(bytes.data(), bytes.size()) ||
+        !file.close() || ::rename(part.c_str(), entry_path(folder_, key).c_str()) != 0) {
         const auto error = io_error(part, "cannot write the file");
         ::unlink(part.c_str());
         return error;

@@ -1,0 +1,54 @@
+# lumo_shaders(NAME [ROOT folder] FILES stage files...): the static library lumo_NAME, alias lumo::NAME, of shader
+# programs and the C++ types that they are used through.
+#
+# Stage files are ROOT/FOLDER/STEM.comp, or ROOT/FOLDER/STEM.vert with .geom or .frag or both; all files of one stem
+# are one program. Its type is lumo::shaders::FOLDER::STEM, in "shaders/FOLDER/STEM.hpp". ROOT is the current source
+# folder unless given; files are relative to it or absolute. #include "..." is searched in ROOT, then in the
+# project's shaders/. A FOLDER of another library's is to be avoided: the headers would have the same name.
+#
+# What tests need, for example, lies beside them:
+#   file(GLOB_RECURSE files CONFIGURE_DEPENDS shaders/*.comp)
+#   lumo_shaders(device_shaders ROOT ${CMAKE_CURRENT_SOURCE_DIR}/shaders FILES ${files})
+# for shaders/test_rhi/fill.comp, the type lumo::shaders::test_rhi::fill.
+function(lumo_shaders name)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "ROOT" "FILES")
+    set(root ${arg_ROOT})
+    if(NOT root)
+        set(root ${CMAKE_CURRENT_SOURCE_DIR})
+    endif()
+    set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}_generated)
+
+    set(programs)
+    foreach(file IN LISTS arg_FILES)
+        cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY ${root} NORMALIZE)
+        cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${root} OUTPUT_VARIABLE program)
+        cmake_path(REMOVE_EXTENSION program LAST_ONLY)
+        list(APPEND programs ${program})
+        list(APPEND files_of_${program} ${file})
+    endforeach()
+    list(REMOVE_DUPLICATES programs)
+
+    set(sources)
+    foreach(program IN LISTS programs)
+        set(base ${output}/shaders/${program})
+        add_custom_command(
+            OUTPUT ${base}.cpp ${base}.hpp
+            COMMAND lumo_shaderc --root ${root} -I ${PROJECT_SOURCE_DIR}/shaders -o ${output}
+                    --depfile ${base}.d ${files_of_${program}}
+            DEPENDS lumo_shaderc ${files_of_${program}}
+            DEPFILE ${base}.d
+            COMMENT "Shader program ${program}"
+            VERBATIM)
+        list(APPEND sources ${base}.cpp)
+    endforeach()
+
+    if(sources)
+        lumo_library(${name} SOURCES ${sources} LINK PUBLIC lumo::rhi glm::glm)
+        target_include_directories(lumo_${name} PUBLIC $<BUILD_INTERFACE:${output}>)
+        set_target_properties(lumo_${name} PROPERTIES CXX_CLANG_TIDY "")
+    else()
+        add_library(lumo_${name} INTERFACE)
+        add_library(lumo::${name} ALIAS lumo_${name})
+        target_link_libraries(lumo_${name} INTERFACE lumo::rhi glm::glm)
+    endif()
+endfunction()
