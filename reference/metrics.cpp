@@ -190,13 +190,15 @@ uint64_t count_not_finite(const ImageF& image) {
 
 }  // namespace
 
-std::vector<uint8_t> mask_of_reflectors(const ImageF& emission) {
-    std::vector<uint8_t> keep(size_t(emission.width) * emission.height);
-    for_each_kept(emission, {}, [&](uint32_t x, uint32_t y) {
-        const std::span pixel(emission.at(x, y), color_channels(emission));
-        keep[size_t(y) * emission.width + x] = std::ranges::all_of(pixel, [](float v) { return v == 0; });
+Result<std::vector<uint8_t>> mask_of_reflectors(const ImageF& emission) {
+    return check_image(emission).map([&] {
+        std::vector<uint8_t> keep(size_t(emission.width) * emission.height);
+        for_each_kept(emission, {}, [&](uint32_t x, uint32_t y) {
+            const std::span pixel(emission.at(x, y), color_channels(emission));
+            keep[size_t(y) * emission.width + x] = std::ranges::all_of(pixel, [](float v) { return v == 0; });
+        });
+        return keep;
     });
-    return keep;
 }
 
 Result<double> mean(const ImageF& image, Mask keep) {

@@ -20,7 +20,7 @@ using Mask = std::span<const uint8_t>;
 
 /// Keeps the pixels whose emission is zero in every channel, so that visible emitters and the sky, which
 /// reach the camera without a surface reflecting them, are left out.
-std::vector<uint8_t> mask_of_reflectors(const scene::ImageF& emission);
+Result<std::vector<uint8_t>> mask_of_reflectors(const scene::ImageF& emission);
 
 /// Mean over the pixels kept and the colour channels.
 Result<double> mean(const scene::ImageF& image, Mask keep = {});

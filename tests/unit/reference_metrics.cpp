@@ -80,7 +80,7 @@ TEST(RelativeRmse, LeavesOutMaskedPixelsFromBlocksAndMean) {
     const ImageF test = make(4, 4, 3, [](uint32_t, uint32_t y, uint32_t) { return y == 0 ? 3.f : 0.f; });
     const ImageF emission =
         make(4, 4, 3, [](uint32_t, uint32_t y, uint32_t c) { return y > 0 && c == 2 ? 7.f : 0.f; });
-    const std::vector<uint8_t> keep = mask_of_reflectors(emission);
+    const std::vector<uint8_t> keep = *mask_of_reflectors(emission);
     EXPECT_THAT(std::vector(keep.begin(), keep.begin() + 5), ElementsAre(1, 1, 1, 1, 0));
     EXPECT_NEAR(*relative_rmse(reference, test, keep), 0.5, 1e-12);
     EXPECT_NEAR(*bias(reference, test, keep), 0.5, 1e-12);
@@ -159,6 +159,7 @@ TEST(Metrics, RefuseWhatDoesNotMatch) {
     }
     refuses(relative_rmse(constant(2, 2, 1, 5), constant(2, 2, 1, 5)));
     refuses(flip(constant(2, 2, 1, 1), constant(2, 2, 1, 1)));
+    refuses(mask_of_reflectors(ImageF{4, 4, 3, std::vector<float>(47)}));
     refuses(flip(a, a, 0));
     refuses(flip(a, a, nan));
     refuses(difference_picture(a, a, 0, 1));
