@@ -52,7 +52,7 @@ struct MemoryBudget {
 
 /// How to make a device.
 struct DeviceDesc {
-    std::string name;         ///< a substring of the wanted device's name, without case; empty takes the best
+    std::string name = {};    ///< a substring of the wanted device's name, without case; empty takes the best
     bool validation = false;  ///< the API's own checks; an error when they are not installed
     Timing timing = Timing::automatic;
     bool disk_cache = true;  ///< keep compiled pipelines under $XDG_CACHE_HOME/lumo

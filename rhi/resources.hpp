@@ -45,7 +45,7 @@ inline constexpr bool is_flags<BufferUsage> = true;
 enum class Memory : uint8_t { device, upload, readback };
 
 struct BufferDesc {
-    std::string name;
+    std::string name = {};
     uint64_t size = 0;  ///< bytes, at least 1
     BufferUsage usage = BufferUsage::storage;
     Memory memory = Memory::device;
@@ -57,15 +57,15 @@ template <>
 inline constexpr bool is_flags<TextureUsage> = true;
 
 struct TextureDesc {
-    std::string name;
+    std::string name = {};
     Dimension dimension = Dimension::d2;
     Format format = Format::rgba8_unorm;
-    Extent extent;
+    Extent extent = {};
     uint32_t layers = 1;  ///< 6 per cube
     uint32_t mips = 1;
     uint32_t samples = 1;  ///< more than 1 with d2_multisample alone
     TextureUsage usage = TextureUsage::sampled;
-    std::vector<Format> view_formats;  ///< other formats of the same texel size that views may have
+    std::vector<Format> view_formats = {};  ///< other formats of the same texel size that views may have
 };
 
 enum class FilterMode : uint8_t { nearest, linear };
@@ -118,7 +118,7 @@ struct BlendState {
 
 struct ColorTargetState {
     Format format = Format::undefined;
-    std::optional<BlendState> blend;
+    std::optional<BlendState> blend = {};
     uint8_t write_mask = 0xf;  ///< bit 0 is red
 
     bool operator==(const ColorTargetState&) const = default;
@@ -136,8 +136,8 @@ struct DepthState {
 
 /// Front faces are counter-clockwise as seen with +y up in NDC.
 struct RasterState {
-    std::vector<ColorTargetState> color;
-    std::optional<DepthState> depth;  ///< none: no depth target
+    std::vector<ColorTargetState> color = {};
+    std::optional<DepthState> depth = {};  ///< none: no depth target
     Topology topology = Topology::triangles;
     CullMode cull = CullMode::back;
     uint32_t samples = 1;

@@ -32,7 +32,7 @@ struct Draw {
 };
 
 struct DrawIndexed {
-    BufferSlice indices;
+    BufferSlice indices = {};
     IndexType type = IndexType::uint32;
     uint32_t count = 0;
     uint32_t instances = 1;
@@ -41,10 +41,10 @@ struct DrawIndexed {
 };
 
 struct DrawIndirect {
-    BufferSlice arguments;  ///< per draw: vertices, instances, first vertex, 0; indexed: count, instances,
-                            ///< first, offset, 0
+    BufferSlice arguments = {};  ///< per draw: vertices, instances, first vertex, 0; indexed: count,
+                                 ///< instances, first, offset, 0
     uint32_t draws = 1;
-    BufferSlice indices;  ///< empty: not indexed
+    BufferSlice indices = {};  ///< empty: not indexed
     IndexType type = IndexType::uint32;
 };
 
@@ -63,22 +63,22 @@ using ClearColor = std::variant<std::array<float, 4>, std::array<uint32_t, 4>, s
 using ClearValue = ClearColor;
 
 struct ColorTarget {
-    TextureView view;  ///< one mip; several layers make a layered target
+    TextureView view = {};  ///< one mip; several layers make a layered target
     Load load = Load::clear;
     ClearColor clear = std::array<float, 4>{};
-    std::optional<TextureView> resolve;  ///< of one sample, filled with the average at the end
+    std::optional<TextureView> resolve = {};  ///< of one sample, filled with the average at the end
 };
 
 struct DepthTarget {
-    TextureView view;
+    TextureView view = {};
     Load load = Load::clear;
     float clear = 1;
 };
 
 struct RasterTargets {
-    std::vector<ColorTarget> color;
-    std::optional<DepthTarget> depth;
-    Extent extent;         ///< without any target: the raster's size; else taken from them
+    std::vector<ColorTarget> color = {};
+    std::optional<DepthTarget> depth = {};
+    Extent extent = {};    ///< without any target: the raster's size; else taken from them
     uint32_t samples = 1;  ///< likewise
 };
 
@@ -88,7 +88,7 @@ struct TextureRegion {
     uint32_t first_layer = 0;
     uint32_t layers = 1;
     uint32_t x = 0, y = 0, z = 0;
-    Extent extent;
+    Extent extent = {};
 };
 
 }  // namespace lumo::rhi
