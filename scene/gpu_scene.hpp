@@ -1,5 +1,5 @@
-// A scene in GPU memory, and the plain views of it that techniques take. An engine with its own scene fills the
-// same views.
+// A scene in GPU memory, and the plain views of it that techniques take. An engine with its own scene fills
+// the same views.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@
 
 namespace lumo::scene {
 
-/// Textures of one material, in the roles of glTF. A role without a texture holds a 1x1 texture of neutral value.
+/// Textures of one material, in the roles of glTF. A role without a texture holds a 1x1 texture of neutral
+/// value.
 struct MaterialTextures {
     rhi::Sampled<rhi::Dimension::d2> base_color;          ///< sRGB decoded
     rhi::Sampled<rhi::Dimension::d2> metallic_roughness;  ///< G roughness, B metallic
@@ -21,24 +22,27 @@ struct MaterialTextures {
     rhi::Sampled<rhi::Dimension::d2> emission;  ///< sRGB decoded
 };
 
-/// Instances of triangles of one material, drawn by one call.
+/// Instances of triangles of one material, drawn by one call. Blended ones come singly, so that they can be
+/// sorted.
 struct DrawView {
     uint32_t first_index = 0;
     uint32_t index_count = 0;
     uint32_t first_instance = 0;  ///< into GeometryView::instances
     uint32_t instances = 1;
-    uint32_t material = 0;     ///< into GeometryView::materials and textures
+    uint32_t material = 0;  ///< into GeometryView::materials and textures
     bool double_sided = false;
-    bool mirrored = false;     ///< its instances turn the winding
+    bool mirrored = false;  ///< its instances turn the winding
     AlphaMode alpha_mode = AlphaMode::opaque;
     bool emits = false;
-    glm::vec3 center{0};       ///< of its world bounds, for sorting
+    bool unlit = false;
+    bool normal_mapped = false;
+    glm::vec3 center{0};  ///< of its world bounds, for sorting
 };
 
 /// Everything that rasterizers and voxelizers read. Layouts: shaders/common/geometry.glsl and material.glsl.
 struct GeometryView {
     rhi::BufferSlice vertices;
-    rhi::BufferSlice indices;    ///< uint32
+    rhi::BufferSlice indices;  ///< uint32
     rhi::BufferSlice instances;
     rhi::BufferSlice materials;
     std::span<const MaterialTextures> textures;  ///< by material
@@ -49,11 +53,13 @@ struct GeometryView {
 /// Owns a scene's buffers and textures.
 class GpuScene {
   public:
-    /// Uploads what the scene's used materials need; mips are made on the CPU, in linear light, so that they are the
-    /// same on every device. With `diffuse_materials`, textures that only matter to speculars and normal maps stay
-    /// out. Errors: out_of_memory, limit (a buffer beyond the device's storage range).
+    /// Uploads what the scene's drawn materials need; mips are made on the CPU (scene/mips.hpp), so that they
+    /// are the same on every device. With `diffuse_materials`, materials are not metallic and not normal
+    /// mapped, and textures other than base colour and emission stay out. Errors: out_of_memory, limit (a
+    /// buffer beyond the device's storage range, an image beyond its largest texture).
     static Result<GpuScene> create(rhi::Device& device, const Scene& scene, bool diffuse_materials = false);
 
+    /// Valid as long as this object lives, also when it is moved.
     GeometryView view() const;
 
   private:
