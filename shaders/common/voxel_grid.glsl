@@ -2,6 +2,9 @@
 //
 // Grid space: voxel (i, j, k) covers [i, i+1) x [j, j+1) x [k, k+1), axes along the world's.
 
+#ifndef VOXEL_GRID_GLSL
+#define VOXEL_GRID_GLSL
+
 struct VoxelGrid {
     vec3 origin;             // world position of grid space's origin, metres
     float voxels_per_metre;
@@ -30,3 +33,4 @@ float encode_area(float area) {
 float decode_area(float encoded) {
     return encoded * encoded * max_voxel_area;
 }
+#endif

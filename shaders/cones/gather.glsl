@@ -1,0 +1,77 @@
+// Irradiance by cones through the voxels (Crassin et al. 2011, Interactive Indirect Illumination Using Voxel Cone
+// Tracing). Include once per program; takes bindings gather_binding to gather_binding + 2.
+#include "common/constants.glsl"
+#include "common/voxel_grid.glsl"
+
+layout(constant_id = 20) const bool gather_emission = false;     // an emission volume beside the radiance
+layout(constant_id = 21) const bool gather_environment = false;  // cones that leave the grid see a constant radiance
+
+const int max_cones = 32;
+
+layout(binding = gather_binding) uniform sampler3D voxel_radiance;      // premultiplied; a: opacity
+layout(binding = gather_binding + 1) uniform sampler3D voxel_emission;  // premultiplied
+layout(binding = gather_binding + 2, std140) uniform Gather {
+    vec3 grid_origin;
+    float voxels_per_metre;
+    float radiance_unit;     // radiance = stored * radiance_unit, W/m²/sr
+    float emission_unit;
+    int cone_count;
+    float tan_half_aperture;
+    vec3 environment;        // radiance, W/m²/sr
+    float resolution;        // voxels a side
+    vec4 cones[max_cones];   // xyz: direction about +z; w: share of the irradiance of a constant environment
+} gather;
+
+// A step is this part of the cone's diameter: half of it keeps the trilinear filter's footprints overlapping.
+const float step_per_diameter = 0.5;
+
+// Radiance from a cone. Origin in grid space, `start` in voxels.
+vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start) {
+    vec3 radiance = vec3(0);
+    float transmittance = 1.0;
+    float distance = start;
+    for (int i = 0; i < 1024; ++i) {
+        vec3 position = origin + direction * distance;
+        if (any(lessThan(position, vec3(0))) || any(greaterThan(position, vec3(gather.resolution)))) break;
+
+        float diameter = max(2.0 * tan_half_aperture * distance, 1.0);
+        float lod = log2(diameter);
+        vec3 uvw = position / gather.resolution;
+        vec4 stored = textureLod(voxel_radiance, uvw, lod);
+        if (stored.a > 0.0) {
+            vec3 leaving = stored.rgb * gather.radiance_unit;
+            if (gather_emission) leaving += textureLod(voxel_emission, uvw, lod).rgb * gather.emission_unit;
+            // Opacity and colour are per diameter of path; a step is part of one.
+            float opacity = 1.0 - pow(max(1.0 - stored.a, 0.0), step_per_diameter);
+            radiance += transmittance * leaving * (opacity / stored.a);
+            transmittance *= 1.0 - opacity;
+            if (transmittance < 0.01) return radiance;
+        }
+        distance += step_per_diameter * diameter;
+    }
+    return gather_environment ? radiance + transmittance * gather.environment : radiance;
+}
+
+// Two unit vectors that make a right-handed frame with a unit normal (Duff et al. 2017, Building an Orthonormal
+// Basis, Revisited).
+mat3 frame_about(vec3 n) {
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z);
+    float b = n.x * n.y * a;
+    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
+}
+
+// Irradiance on a surface, W/m². `geometric_normal` lifts the cones off the voxels of their own surface, `normal`
+// is the hemisphere's axis; both unit length, world space.
+vec3 gather_irradiance(vec3 world, vec3 geometric_normal, vec3 normal) {
+    VoxelGrid grid = VoxelGrid(gather.grid_origin, gather.voxels_per_metre);
+    // The surface's own voxels reach one voxel from it, the filter half of one more.
+    vec3 origin = grid_from_world(grid, world) + geometric_normal * 1.0;
+    mat3 frame = frame_about(normal);
+    vec3 sum = vec3(0);
+    for (int i = 0; i < gather.cone_count; ++i) {
+        sum += gather.cones[i].w *
+               trace_cone(origin, frame * gather.cones[i].xyz, gather.tan_half_aperture, 1.0);
+    }
+    return pi * sum;
+}

@@ -1,0 +1,14 @@
+// Sums per voxel that come out the same in any order: integers, added atomically.
+//
+// The accumulator is an r32_uint volume with sum_words texels along x per voxel: red, green and blue of 8 bits times
+// a weight; the weight, which is the fragment's share of surface area; and where the scene has translucent surfaces
+// the weight times opacity. A word holds 2^32 / (255 * 64), about 263 000, fragments of full weight.
+
+layout(constant_id = 2) const bool translucent = false;
+
+const int sum_words = translucent ? 5 : 4;
+const float weight_unit = 64.0;
+
+ivec3 sum_texel(ivec3 voxel, int word) {
+    return ivec3(voxel.x * sum_words + word, voxel.yz);
+}

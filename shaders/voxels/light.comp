@@ -1,0 +1,43 @@
+// Which surfaces the sun reaches, counted in texels of the shadow map.
+//
+// Every texel carries the same flux, irradiance times texel area, to the point that it sees, however that surface
+// is inclined. So a voxel's count, an integer and hence the same in any order, gives the flux that falls on it.
+#include "common/voxel_grid.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+
+layout(push_constant) uniform Push {
+    mat4 world_from_light_clip;
+    vec3 grid_origin;
+    float voxels_per_metre;
+    vec3 direction_to_sun;  // unit length
+} push;
+
+layout(binding = 0) uniform sampler2D shadow_depth;
+layout(binding = 1, r8) readonly uniform image3D area;
+layout(binding = 2, r32ui) uniform uimage3D lit_texels;
+
+bool count_at(vec3 position) {
+    ivec3 voxel = ivec3(floor(position));
+    if (!inside_grid(voxel, imageSize(area).x) || imageLoad(area, voxel).r == 0.0) return false;
+    imageAtomicAdd(lit_texels, voxel, 1u);
+    return true;
+}
+
+void main() {
+    ivec2 size = textureSize(shadow_depth, 0);
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(texel, size))) return;
+    float depth = texelFetch(shadow_depth, texel, 0).r;
+    if (depth == 1.0) return;
+
+    vec2 ndc = (vec2(texel) + 0.5) / vec2(size) * 2.0 - 1.0;
+    vec4 world = push.world_from_light_clip * vec4(ndc, depth, 1.0);
+    vec3 position = grid_from_world(VoxelGrid(push.grid_origin, push.voxels_per_metre), world.xyz / world.w);
+
+    // A surface on or near a voxel's face can fall to the other side of it than its voxelization did, and a grazing
+    // one pass a corner that no centre line met: half a voxel along the ray finds it.
+    if (count_at(position)) return;
+    if (count_at(position - 0.5 * push.direction_to_sun)) return;
+    count_at(position + 0.5 * push.direction_to_sun);
+}

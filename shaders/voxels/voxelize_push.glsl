@@ -1,0 +1,9 @@
+layout(push_constant) uniform Push {
+    vec3 grid_origin;         // world position of the grid's corner, metres
+    float voxels_per_metre;
+    uint resolution;          // voxels a side
+    uint first_index;
+    uint first_instance;
+    uint material;
+    float emission_scale;     // stored emission = radiance * emission_scale, for 0 to 1
+} push;

@@ -1,0 +1,72 @@
+#include "techniques/cones/cones.hpp"
+
+#include <cmath>
+
+namespace lumo::cones {
+
+using rhi::Dimension;
+
+GatherBlock gather_block(const Distribution& distribution, const voxels::View& volume, glm::vec3 environment) {
+    GatherBlock block{};
+    block.grid_origin = volume.grid.origin;
+    block.voxels_per_metre = 1 / volume.grid.voxel_size;
+    block.radiance_unit = volume.radiance_unit;
+    block.emission_unit = volume.emission_unit;
+    block.cone_count = int32_t(distribution.cones.size());
+    block.tan_half_aperture = std::tan(distribution.tracing_half_angle);
+    block.environment = environment;
+    block.resolution = float(volume.grid.resolution);
+    for (size_t i = 0; i < distribution.cones.size(); ++i) {
+        block.cones[i] = glm::vec4(distribution.cones[i].direction, distribution.cones[i].weight);
+    }
+    return block;
+}
+
+Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& settings, const Needs& needs,
+                                      rhi::Extent size) {
+    Irradiance made;
+    made.distribution_ = distribute(settings.count);
+    made.size_ = size;
+    return device
+        .create_texture({.name = "cones.irradiance",
+                         .format = rhi::Format::rgba32_float,
+                         .extent = size,
+                         .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::storage})
+        .and_then([&](rhi::Texture texture) {
+            made.irradiance_ = std::move(texture);
+            return device.create_sampler({.mip = rhi::FilterMode::linear});
+        })
+        .and_then([&](rhi::Sampler sampler) {
+            made.volume_sampler_ = std::move(sampler);
+            return device.create_sampler(
+                {.magnification = rhi::FilterMode::nearest, .minification = rhi::FilterMode::nearest});
+        })
+        .and_then([&](rhi::Sampler sampler) {
+            made.point_sampler_ = std::move(sampler);
+            return device.create_compute_pipeline<shaders::cones::irradiance>(
+                {.gather_emission = needs.emission, .gather_environment = needs.environment});
+        })
+        .map([&](rhi::ComputePipeline<shaders::cones::irradiance> pipeline) {
+            made.pipeline_ = std::move(pipeline);
+            return std::move(made);
+        });
+}
+
+rhi::View<Dimension::d2> Irradiance::record(rhi::Commands& commands, const gbuffer::View& gbuffer,
+                                            const voxels::View& volume, glm::vec3 environment) {
+    const rhi::UniformBuffer gather = commands.uniform(gather_block(distribution_, volume, environment));
+    rhi::Pass pass = commands.pass("cones.irradiance");
+    pass.dispatch(pipeline_,
+                  {.depth = {gbuffer.depth, point_sampler_},
+                   .normal_roughness = {gbuffer.normal_roughness, point_sampler_},
+                   .geometric_normal_occlusion = {gbuffer.geometric_normal_occlusion, point_sampler_},
+                   .Camera = gbuffer.camera,
+                   .voxel_radiance = {volume.radiance, volume_sampler_},
+                   .voxel_emission = {volume.emission, volume_sampler_},
+                   .Gather = gather,
+                   .irradiance = irradiance_.view<Dimension::d2>()},
+                  {}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
+    return irradiance_.view<Dimension::d2>();
+}
+
+}  // namespace lumo::cones

@@ -1,0 +1,52 @@
+// Indirect light at the pixels of a G-buffer, by cones through a voxel volume.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "rhi/rhi.hpp"
+#include "shaders/cones/irradiance.hpp"
+#include "techniques/cones/distribution.hpp"
+#include "techniques/gbuffer/gbuffer.hpp"
+#include "techniques/voxels/voxels.hpp"
+
+namespace lumo::cones {
+
+struct Settings {
+    int count = 9;  ///< 1 to max_cones
+};
+
+/// What the scene needs of the cones.
+struct Needs {
+    bool emission = false;     ///< the volume has emission
+    bool environment = false;  ///< light comes from outside the grid
+};
+
+/// The uniform block that shaders/cones/gather.glsl reads, for every program that gathers.
+using GatherBlock = shaders::cones::irradiance::Gather;
+GatherBlock gather_block(const Distribution& distribution, const voxels::View& volume, glm::vec3 environment);
+
+class Irradiance {
+  public:
+    /// Makes a target of the size. Errors: those of the device.
+    static Result<Irradiance> create(rhi::Device& device, const Settings& settings, const Needs& needs,
+                                     rhi::Extent size);
+
+    /// Irradiance of indirect light, W/m², over the hemisphere of each pixel's shading normal; 0 where nothing was
+    /// drawn. `environment` is the radiance from outside the grid, W/m²/sr. Returns rgba32_float, a is 1.
+    rhi::View<rhi::Dimension::d2> record(rhi::Commands& commands, const gbuffer::View& gbuffer,
+                                         const voxels::View& volume, glm::vec3 environment);
+
+    const Distribution& distribution() const { return distribution_; }
+    /// The sampler that volumes are read through.
+    rhi::SamplerHandle volume_sampler() const { return volume_sampler_; }
+
+  private:
+    Distribution distribution_;
+    rhi::Extent size_;
+    rhi::Texture irradiance_;
+    rhi::Sampler volume_sampler_;
+    rhi::Sampler point_sampler_;
+    rhi::ComputePipeline<shaders::cones::irradiance> pipeline_;
+};
+
+}  // namespace lumo::cones
