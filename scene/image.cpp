@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string_view>
 
+#include "scene/file.hpp"
 #include "scene/printable.hpp"
 
 namespace lumo::scene {
@@ -85,22 +85,6 @@ std::optional<Size> jpeg_size(std::span<const std::byte> bytes) {
         at += 2 + std::max(big_endian(bytes, at + 2, 2), 2u);
     }
     return std::nullopt;
-}
-
-Result<std::vector<std::byte>> read_bytes(const std::filesystem::path& file) {
-    const std::string name = printable(file.string());
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error))
-        return fail(ErrorKind::io, name,
-                    error ? "cannot be opened: " + error.message() : "is not a regular file",
-                    "check the path");
-    const uint64_t size = std::filesystem::file_size(file, error);
-    std::ifstream stream(file, std::ios::binary);
-    if (error || !stream) return fail(ErrorKind::io, name, "cannot be opened", "check its permissions");
-    std::vector<std::byte> bytes(size);
-    stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size));
-    if (uint64_t(stream.gcount()) != size) return fail(ErrorKind::io, name, "cannot be read to its end");
-    return bytes;
 }
 
 Result<void> check_size(Size size, uint64_t bytes_per_pixel, const std::string& name,
@@ -305,10 +289,10 @@ Result<ImageF> decode_float(std::span<const std::byte> bytes, const std::string&
 }
 
 template <class T, class Decode>
-Result<T> read_file(const std::filesystem::path& file, Decode decode) {
+Result<T> read_image(const std::filesystem::path& file, Decode decode) {
     const std::string name = printable(file.string());
     return guarded(name, [&]() -> Result<T> {
-        Result<std::vector<std::byte>> bytes = read_bytes(file);
+        Result<std::vector<std::byte>> bytes = read_file(file);
         if (!bytes) return tl::unexpected(bytes.error());
         return decode(std::span<const std::byte>(*bytes), name);
     });
@@ -347,17 +331,17 @@ Result<Image8> decode_image8(std::span<const std::byte> bytes, const std::string
 }
 
 Result<Image8> read_image8(const std::filesystem::path& file, const ImageLimits& limits) {
-    return read_file<Image8>(
+    return read_image<Image8>(
         file, [&](auto bytes, const std::string& name) { return decode8(bytes, name, limits); });
 }
 
 Result<ImageF> read_image_float(const std::filesystem::path& file, const ImageLimits& limits) {
-    return read_file<ImageF>(
+    return read_image<ImageF>(
         file, [&](auto bytes, const std::string& name) { return decode_float(bytes, name, limits); });
 }
 
 Result<std::vector<ExrLayer>> read_exr(const std::filesystem::path& file, const ImageLimits& limits) {
-    return read_file<std::vector<ExrLayer>>(
+    return read_image<std::vector<ExrLayer>>(
         file, [&](auto bytes, const std::string& name) -> Result<std::vector<ExrLayer>> {
             if (detect(bytes) != Format::exr)
                 return fail(ErrorKind::invalid_file, name, "is not an EXR file");
