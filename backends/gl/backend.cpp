@@ -1,0 +1,534 @@
+// Carries out what the core of the RHI hands on.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <variant>
+
+#include "backends/gl/context.hpp"
+#include "backends/gl/formats.hpp"
+#include "backends/gl/gl.hpp"
+#include "backends/gl/programs.hpp"
+#include "backends/gl/push_ring.hpp"
+#include "backends/gl/resources.hpp"
+#include "backends/gl/state.hpp"
+#include "backends/gl/timeline.hpp"
+
+namespace lumo::backends::gl {
+namespace {
+
+using rhi::Access;
+
+struct Pipeline {
+    struct Binding {
+        GLuint slot;
+        GLenum access;  ///< images
+    };
+    GLuint program = 0;
+    std::vector<Binding> bindings{};
+    rhi::RasterState raster{};
+};
+
+GLenum gl_access(rhi::ShaderAccess access) {
+    if (access == rhi::ShaderAccess::read) return GL_READ_ONLY;
+    return access == rhi::ShaderAccess::write ? GL_WRITE_ONLY : GL_READ_WRITE;
+}
+
+GLenum gl_index_type(rhi::IndexType type) {
+    return type == rhi::IndexType::uint16 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT;
+}
+
+const void* as_pointer(uint64_t offset) { return reinterpret_cast<const void*>(offset); }
+
+/// OpenGL orders everything by itself but what shaders write to images and storage buffers: what comes after
+/// such a write, and a write that comes after anything. Coherent mappings need no bit.
+GLbitfield barrier_bits(const rhi::Barrier& barrier) {
+    const bool texture = barrier.memory.kind == rhi::MemoryId::Kind::texture;
+    const bool after_write = rhi::has(barrier.before, Access::storage_write);
+    const bool before_write =
+        rhi::has(barrier.after, Access::storage_write) && barrier.before != Access::none;
+    if (!after_write && !before_write) return 0;
+
+    GLbitfield bits = 0;
+    auto add = [&](Access access, GLbitfield bit) {
+        if (rhi::has(barrier.after, access)) bits |= bit;
+    };
+    add(Access::indirect_read, GL_COMMAND_BARRIER_BIT);
+    add(Access::index_read, GL_ELEMENT_ARRAY_BARRIER_BIT);
+    add(Access::uniform_read, GL_UNIFORM_BARRIER_BIT);
+    add(Access::sampled_read, GL_TEXTURE_FETCH_BARRIER_BIT);
+    add(Access::storage_read | Access::storage_write,
+        texture ? GL_SHADER_IMAGE_ACCESS_BARRIER_BIT : GL_SHADER_STORAGE_BARRIER_BIT);
+    add(Access::color_attachment | Access::depth_attachment, GL_FRAMEBUFFER_BARRIER_BIT);
+    // A copy of a texture may be a transfer, a blit or a fetch.
+    add(Access::copy_read | Access::copy_write,
+        texture ? GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT
+                : GL_BUFFER_UPDATE_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
+    add(Access::host_read, GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+    return bits;
+}
+
+float encode_srgb(float linear) {
+    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+/// A clear value as texels of a transfer format.
+struct ClearTexel {
+    GLenum transfer;
+    GLenum type;
+    const void* data;
+};
+
+ClearTexel clear_texel(rhi::FormatKind kind, const rhi::ClearValue& value) {
+    const void* data = std::visit([](const auto& v) { return static_cast<const void*>(v.data()); }, value);
+    switch (kind) {
+        case rhi::FormatKind::uint:
+            return {GL_RGBA_INTEGER, GL_UNSIGNED_INT, data};
+        case rhi::FormatKind::sint:
+            return {GL_RGBA_INTEGER, GL_INT, data};
+        case rhi::FormatKind::depth:
+            return {GL_DEPTH_COMPONENT, GL_FLOAT, data};
+        default:
+            return {GL_RGBA, GL_FLOAT, data};
+    }
+}
+
+class GlBackend final : public rhi::Backend {
+  public:
+    GlBackend(std::unique_ptr<Context> context, PushRing ring, bool disk_cache)
+        : context_(std::move(context)),
+          ring_(std::move(ring)),
+          timeline_(context_->info().timing),
+          cache_(disk_cache ? rhi::DiskCache::of_user() : rhi::DiskCache({})) {
+        glCreateVertexArrays(1, &vertex_array_);
+        glBindVertexArray(vertex_array_);
+        for (int i = 0; i < rhi::format_count; ++i) caps_[size_t(i)] = query_caps(rhi::Format(i));
+    }
+
+    const rhi::DeviceInfo& info() const override { return context_->info(); }
+    rhi::FormatCaps format_caps(rhi::Format format) const override { return caps_[size_t(format)]; }
+
+    Result<rhi::CreatedBuffer> create_buffer(rhi::BufferHandle handle, const rhi::BufferDesc& desc) override {
+        context_->make_current();
+        return resources_.create(handle, desc);
+    }
+    Result<uint64_t> create_texture(rhi::TextureHandle handle, const rhi::TextureDesc& desc) override {
+        context_->make_current();
+        return resources_.create(handle, desc);
+    }
+    Result<void> create_sampler(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) override {
+        context_->make_current();
+        return resources_.create(handle, desc);
+    }
+    Result<void> create_pipeline(rhi::PipelineHandle handle, const rhi::ProgramInfo& program,
+                                 std::span<const uint32_t> options, const rhi::RasterState* raster) override;
+
+    void destroy(rhi::BufferHandle handle) override { destroy_resource(handle); }
+    void destroy(rhi::TextureHandle handle) override { destroy_resource(handle); }
+    void destroy(rhi::SamplerHandle handle) override { destroy_resource(handle); }
+    void destroy(rhi::PipelineHandle handle) override {
+        context_->make_current();
+        state_.forget();
+        glDeleteProgram(std::exchange(pipelines_[handle.index], {}).program);
+    }
+
+    Result<void> begin(uint64_t serial) override {
+        context_->make_current();
+        return timeline_.begin(serial);
+    }
+    void emit(const rhi::EmittedPass& pass) override;
+    Result<void> submit() override {
+        context_->make_current();
+        if (auto submitted = timeline_.submit(); !submitted) return submitted;
+        return check_errors("submission");
+    }
+    uint64_t completed() override {
+        context_->make_current();
+        return timeline_.completed();
+    }
+    Result<void> wait(uint64_t serial) override {
+        context_->make_current();
+        return timeline_.wait(serial);
+    }
+    std::vector<rhi::PassStamp> stamps(uint64_t serial) override {
+        context_->make_current();
+        return timeline_.stamps(serial);
+    }
+    rhi::MemoryBudget memory_budget() override;
+
+  private:
+    template <class Handle>
+    void destroy_resource(Handle handle) {
+        context_->make_current();
+        state_.forget();  // names are used again
+        resources_.destroy(handle);
+    }
+
+    void begin_targets(const rhi::RasterTargets& targets);
+    void end_targets(const rhi::RasterTargets& targets);
+    void put_barriers(std::span<const rhi::Barrier> barriers);
+    const Pipeline& bind(const rhi::PipelineBindings& what);
+    const Pipeline& bind_for_draw(const rhi::PipelineBindings& what);
+    void bind_indices(GLuint buffer);
+
+    void run(const rhi::DispatchCommand& command);
+    void run(const rhi::DispatchIndirectCommand& command);
+    void run(const rhi::DrawCommand& command);
+    void run(const rhi::DrawIndexedCommand& command);
+    void run(const rhi::DrawIndirectCommand& command);
+    void run(const rhi::ViewportCommand& command) { state_.viewport(command.viewport); }
+    void run(const rhi::CopyBufferCommand& command);
+    void run(const rhi::CopyTextureCommand& command);
+    void run(const rhi::CopyBufferToTextureCommand& command);
+    void run(const rhi::CopyTextureToBufferCommand& command);
+    void run(const rhi::FillBufferCommand& command);
+    void run(const rhi::ClearTextureCommand& command);
+    void run(const rhi::BlitMipCommand& command);
+
+    std::unique_ptr<Context> context_;
+    Resources resources_;
+    BoundState state_;
+    PushRing ring_;
+    Timeline timeline_;
+    rhi::DiskCache cache_;
+    std::vector<Pipeline> pipelines_;
+    std::array<rhi::FormatCaps, rhi::format_count> caps_{};
+    GLuint vertex_array_ = 0;
+    GLuint indices_ = 0;        ///< bound to the vertex array
+    GLuint moved_indices_ = 0;  ///< see DrawIndirectCommand
+    uint64_t moved_indices_bytes_ = 0;
+};
+
+Result<void> GlBackend::create_pipeline(rhi::PipelineHandle handle, const rhi::ProgramInfo& program,
+                                        std::span<const uint32_t> options, const rhi::RasterState* raster) {
+    context_->make_current();
+    auto made = make_program(program, options, info(), cache_);
+    if (!made) return tl::unexpected(made.error());
+    label(GL_PROGRAM, *made, program.name);
+    Pipeline& pipeline = slot(pipelines_, handle.index);
+    pipeline = {.program = *made};
+    for (const rhi::BindingInfo& binding : program.bindings) {
+        pipeline.bindings.push_back({binding.gl_slot, gl_access(binding.access)});
+    }
+    if (raster) pipeline.raster = *raster;
+    return {};
+}
+
+void GlBackend::emit(const rhi::EmittedPass& pass) {
+    context_->make_current();
+    glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, GLsizei(pass.name.size()), pass.name.data());
+    timeline_.begin_pass();
+    put_barriers(pass.barriers);
+    if (pass.targets) begin_targets(*pass.targets);
+    for (const rhi::Step& step : pass.steps) {
+        put_barriers(step.barriers);
+        std::visit([this](const auto& command) { run(command); }, step.command);
+    }
+    if (pass.targets) end_targets(*pass.targets);
+    timeline_.end_pass();
+    glPopDebugGroup();
+}
+
+void GlBackend::put_barriers(std::span<const rhi::Barrier> barriers) {
+    GLbitfield bits = 0;
+    for (const rhi::Barrier& barrier : barriers) bits |= barrier_bits(barrier);
+    if (bits) glMemoryBarrier(bits);
+}
+
+// -- raster passes
+
+void GlBackend::begin_targets(const rhi::RasterTargets& targets) {
+    std::vector<Attachment> color;
+    for (const rhi::ColorTarget& target : targets.color) color.push_back(resources_.attachment(target.view));
+    Attachment depth;
+    if (targets.depth) depth = resources_.attachment(targets.depth->view);
+    const GLuint framebuffer =
+        resources_.framebuffer(color, targets.depth ? &depth : nullptr, targets.extent, targets.samples);
+    state_.framebuffer(framebuffer);
+    state_.open_masks();
+
+    std::vector<GLenum> discarded;
+    for (size_t i = 0; i < targets.color.size(); ++i) {
+        const rhi::ColorTarget& target = targets.color[i];
+        if (target.load == rhi::Load::discard) discarded.push_back(GLenum(GL_COLOR_ATTACHMENT0 + i));
+        if (target.load != rhi::Load::clear) continue;
+        if (const auto* value = std::get_if<std::array<float, 4>>(&target.clear)) {
+            glClearNamedFramebufferfv(framebuffer, GL_COLOR, GLint(i), value->data());
+        } else if (const auto* value = std::get_if<std::array<uint32_t, 4>>(&target.clear)) {
+            glClearNamedFramebufferuiv(framebuffer, GL_COLOR, GLint(i), value->data());
+        } else if (const auto* value = std::get_if<std::array<int32_t, 4>>(&target.clear)) {
+            glClearNamedFramebufferiv(framebuffer, GL_COLOR, GLint(i), value->data());
+        }
+    }
+    if (targets.depth && targets.depth->load == rhi::Load::discard) discarded.push_back(GL_DEPTH_ATTACHMENT);
+    if (targets.depth && targets.depth->load == rhi::Load::clear) {
+        glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &targets.depth->clear);
+    }
+    if (!discarded.empty()) {
+        glInvalidateNamedFramebufferData(framebuffer, GLsizei(discarded.size()), discarded.data());
+    }
+
+    rhi::Extent extent = targets.extent;
+    const rhi::TextureView* first = !targets.color.empty() ? &targets.color.front().view
+                                    : targets.depth        ? &targets.depth->view
+                                                           : nullptr;
+    if (first) extent = rhi::mip_extent(resources_.texture(first->texture).desc.extent, first->first_mip);
+    state_.viewport({0, 0, float(extent.width), float(extent.height)});
+}
+
+void GlBackend::end_targets(const rhi::RasterTargets& targets) {
+    for (const rhi::ColorTarget& target : targets.color) {
+        if (!target.resolve) continue;
+        const Attachment from = resources_.attachment(target.view),
+                         to = resources_.attachment(*target.resolve);
+        const GLuint source = resources_.framebuffer({&from, 1}, nullptr, {}, 1);
+        const GLuint destination = resources_.framebuffer({&to, 1}, nullptr, {}, 1);
+        const rhi::Extent extent = resources_.texture(target.view.texture).desc.extent;
+        const auto width = GLint(extent.width), height = GLint(extent.height);
+        state_.open_masks();
+        glBlitNamedFramebuffer(source, destination, 0, 0, width, height, 0, 0, width, height,
+                               GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    }
+}
+
+// -- shaders
+
+const Pipeline& GlBackend::bind(const rhi::PipelineBindings& what) {
+    const Pipeline& pipeline = pipelines_[what.pipeline.index];
+    state_.program(pipeline.program);
+    for (size_t i = 0; i < what.bindings.size(); ++i) {
+        const rhi::BindingValue& value = what.bindings[i];
+        const auto [slot, access] = pipeline.bindings[i];
+        const auto range = [&] {
+            return BufferRange{resources_.buffer(value.slice.buffer), GLintptr(value.slice.offset),
+                               GLsizeiptr(value.slice.size)};
+        };
+        switch (value.kind) {
+            case rhi::BindingKind::sampled:
+                state_.texture(slot, resources_.view(value.view), resources_.sampler(value.sampler));
+                break;
+            case rhi::BindingKind::storage_image:
+                state_.image(slot, {resources_.view_of_all_mips(value.view), GLint(value.view.first_mip),
+                                    access, gl_format(value.view.format).internal});
+                break;
+            case rhi::BindingKind::storage_buffer:
+                state_.storage(slot, range());
+                break;
+            case rhi::BindingKind::uniform_buffer:
+                state_.uniform(slot, range());
+                break;
+        }
+    }
+    if (!what.push.empty()) state_.uniform(rhi::gl_push_slot, ring_.put(what.push));
+    return pipeline;
+}
+
+const Pipeline& GlBackend::bind_for_draw(const rhi::PipelineBindings& what) {
+    const Pipeline& pipeline = bind(what);
+    state_.raster(pipeline.raster);
+    return pipeline;
+}
+
+void GlBackend::bind_indices(GLuint buffer) {
+    if (std::exchange(indices_, buffer) != buffer) glVertexArrayElementBuffer(vertex_array_, buffer);
+}
+
+void GlBackend::run(const rhi::DispatchCommand& command) {
+    bind(command.what);
+    glDispatchCompute(command.x, command.y, command.z);
+}
+
+void GlBackend::run(const rhi::DispatchIndirectCommand& command) {
+    bind(command.what);
+    state_.buffer(GL_DISPATCH_INDIRECT_BUFFER, resources_.buffer(command.arguments.buffer));
+    glDispatchComputeIndirect(GLintptr(command.arguments.offset));
+}
+
+void GlBackend::run(const rhi::DrawCommand& command) {
+    const Pipeline& pipeline = bind_for_draw(command.what);
+    glDrawArraysInstanced(gl_topology(pipeline.raster.topology), GLint(command.first_vertex),
+                          GLsizei(command.vertices), GLsizei(command.instances));
+}
+
+void GlBackend::run(const rhi::DrawIndexedCommand& command) {
+    const Pipeline& pipeline = bind_for_draw(command.what);
+    bind_indices(resources_.buffer(command.indices.buffer));
+    const uint64_t index_bytes = command.index_type == rhi::IndexType::uint16 ? 2 : 4;
+    glDrawElementsInstancedBaseVertex(gl_topology(pipeline.raster.topology), GLsizei(command.count),
+                                      gl_index_type(command.index_type),
+                                      as_pointer(command.indices.offset + command.first_index * index_bytes),
+                                      GLsizei(command.instances), command.vertex_offset);
+}
+
+void GlBackend::run(const rhi::DrawIndirectCommand& command) {
+    const Pipeline& pipeline = bind_for_draw(command.what);
+    const GLenum topology = gl_topology(pipeline.raster.topology);
+    state_.buffer(GL_DRAW_INDIRECT_BUFFER, resources_.buffer(command.arguments.buffer));
+    const void* arguments = as_pointer(command.arguments.offset);
+    if (!command.indices.buffer) {
+        glMultiDrawArraysIndirect(topology, arguments, GLsizei(command.draws), GLsizei(command.stride));
+        return;
+    }
+    GLuint indices = resources_.buffer(command.indices.buffer);
+    if (command.indices.offset != 0) {
+        // Indirect draws count indices from the start of their buffer, so a slice must be moved to one.
+        if (moved_indices_bytes_ < command.indices.size) {
+            if (!moved_indices_) glCreateBuffers(1, &moved_indices_);
+            moved_indices_bytes_ = command.indices.size;
+            glNamedBufferData(moved_indices_, GLsizeiptr(moved_indices_bytes_), nullptr, GL_STREAM_COPY);
+        }
+        glCopyNamedBufferSubData(indices, moved_indices_, GLintptr(command.indices.offset), 0,
+                                 GLsizeiptr(command.indices.size));
+        indices = moved_indices_;
+    }
+    bind_indices(indices);
+    glMultiDrawElementsIndirect(topology, gl_index_type(command.index_type), arguments,
+                                GLsizei(command.draws), GLsizei(command.stride));
+}
+
+// -- copies
+
+void GlBackend::run(const rhi::CopyBufferCommand& command) {
+    glCopyNamedBufferSubData(resources_.buffer(command.source.buffer),
+                             resources_.buffer(command.destination.buffer), GLintptr(command.source.offset),
+                             GLintptr(command.destination.offset), GLsizeiptr(command.source.size));
+}
+
+void GlBackend::run(const rhi::CopyTextureCommand& command) {
+    const Texture& source = resources_.texture(command.source);
+    const Texture& destination = resources_.texture(command.destination);
+    const auto& from = command.source_region;
+    const auto& to = command.destination_region;
+    // This command alone counts layers in z for every dimension.
+    const auto z = [](const Texture& texture, const rhi::TextureRegion& region) {
+        return GLint(texture.desc.dimension == rhi::Dimension::d3 ? region.z : region.first_layer);
+    };
+    const uint32_t slices = source.desc.dimension == rhi::Dimension::d3 ? from.extent.depth : from.layers;
+    glCopyImageSubData(source.name, gl_target(source.desc.dimension), GLint(from.mip), GLint(from.x),
+                       GLint(from.y), z(source, from), destination.name,
+                       gl_target(destination.desc.dimension), GLint(to.mip), GLint(to.x), GLint(to.y),
+                       z(destination, to), GLsizei(from.extent.width), GLsizei(from.extent.height),
+                       GLsizei(slices));
+}
+
+void GlBackend::run(const rhi::CopyBufferToTextureCommand& command) {
+    const Texture& texture = resources_.texture(command.destination);
+    const GlFormat& format = gl_format(texture.desc.format);
+    const auto mip = GLint(command.region.mip);
+    const Box box = gl_box(texture.desc.dimension, command.region);
+    const void* texels = as_pointer(command.source.offset);
+    const auto bytes = GLsizei(command.source.size);
+    state_.buffer(GL_PIXEL_UNPACK_BUFFER, resources_.buffer(command.source.buffer));
+
+    using enum rhi::Dimension;
+    const rhi::Dimension dimension = texture.desc.dimension;
+    const bool compressed = format.transfer == GL_NONE;
+    if (dimension == d1) {
+        glTextureSubImage1D(texture.name, mip, box.x, box.width, format.transfer, format.type, texels);
+    } else if (dimension == d2 || dimension == d1_array) {
+        if (compressed) {
+            glCompressedTextureSubImage2D(texture.name, mip, box.x, box.y, box.width, box.height,
+                                          format.internal, bytes, texels);
+        } else {
+            glTextureSubImage2D(texture.name, mip, box.x, box.y, box.width, box.height, format.transfer,
+                                format.type, texels);
+        }
+    } else if (compressed) {
+        glCompressedTextureSubImage3D(texture.name, mip, box.x, box.y, box.z, box.width, box.height,
+                                      box.depth, format.internal, bytes, texels);
+    } else {
+        glTextureSubImage3D(texture.name, mip, box.x, box.y, box.z, box.width, box.height, box.depth,
+                            format.transfer, format.type, texels);
+    }
+}
+
+void GlBackend::run(const rhi::CopyTextureToBufferCommand& command) {
+    const Texture& texture = resources_.texture(command.source);
+    const GlFormat& format = gl_format(texture.desc.format);
+    const auto mip = GLint(command.region.mip);
+    const Box box = gl_box(texture.desc.dimension, command.region);
+    void* texels = const_cast<void*>(as_pointer(command.destination.offset));
+    const auto bytes = GLsizei(std::min<uint64_t>(command.destination.size, INT32_MAX));
+    state_.buffer(GL_PIXEL_PACK_BUFFER, resources_.buffer(command.destination.buffer));
+    if (format.transfer == GL_NONE) {
+        glGetCompressedTextureSubImage(texture.name, mip, box.x, box.y, box.z, box.width, box.height,
+                                       box.depth, bytes, texels);
+    } else {
+        glGetTextureSubImage(texture.name, mip, box.x, box.y, box.z, box.width, box.height, box.depth,
+                             format.transfer, format.type, bytes, texels);
+    }
+}
+
+void GlBackend::run(const rhi::FillBufferCommand& command) {
+    glClearNamedBufferSubData(resources_.buffer(command.destination.buffer), GL_R32UI,
+                              GLintptr(command.destination.offset), GLsizeiptr(command.destination.size),
+                              GL_RED_INTEGER, GL_UNSIGNED_INT, &command.value);
+}
+
+void GlBackend::run(const rhi::ClearTextureCommand& command) {
+    const rhi::TextureView& view = command.view;
+    const rhi::TextureDesc& desc = resources_.texture(view.texture).desc;
+    const rhi::FormatKind kind = rhi::format_info(view.format).kind;
+    rhi::ClearValue value = command.value;
+    if (auto* color = std::get_if<std::array<float, 4>>(&value); color && kind == rhi::FormatKind::srgb) {
+        // Texels are stored as given, while a clear gives linear values.
+        std::transform(color->begin(), color->begin() + 3, color->begin(), encode_srgb);
+    }
+    const ClearTexel texel = clear_texel(kind, value);
+    const GLuint name = resources_.view(view);
+    for (uint32_t mip = 0; mip < view.mips; ++mip) {
+        const Box box =
+            gl_box(view.dimension,
+                   {.layers = view.layers, .extent = rhi::mip_extent(desc.extent, view.first_mip + mip)});
+        glClearTexSubImage(name, GLint(mip), 0, 0, 0, box.width, box.height, box.depth, texel.transfer,
+                           texel.type, texel.data);
+    }
+}
+
+void GlBackend::run(const rhi::BlitMipCommand& command) {
+    const Texture& texture = resources_.texture(command.texture);
+    const rhi::TextureDesc& desc = texture.desc;
+    const auto mip = GLint(command.source_mip);
+    if (desc.dimension == rhi::Dimension::d3) {
+        // A blit knows no filter across slices.
+        glTextureParameteri(texture.name, GL_TEXTURE_BASE_LEVEL, mip);
+        glTextureParameteri(texture.name, GL_TEXTURE_MAX_LEVEL, mip + 1);
+        glGenerateTextureMipmap(texture.name);
+        glTextureParameteri(texture.name, GL_TEXTURE_BASE_LEVEL, 0);
+        glTextureParameteri(texture.name, GL_TEXTURE_MAX_LEVEL, GLint(desc.mips) - 1);
+        return;
+    }
+    const rhi::Extent from = rhi::mip_extent(desc.extent, command.source_mip);
+    const rhi::Extent to = rhi::mip_extent(desc.extent, command.source_mip + 1);
+    state_.open_masks();
+    for (uint32_t layer = 0; layer < desc.layers; ++layer) {
+        const GLint which = is_layered(desc.dimension) ? GLint(layer) : Attachment::all_layers;
+        const Attachment above{texture.name, mip, which}, below{texture.name, mip + 1, which};
+        glBlitNamedFramebuffer(resources_.framebuffer({&above, 1}, nullptr, {}, 1),
+                               resources_.framebuffer({&below, 1}, nullptr, {}, 1), 0, 0, GLint(from.width),
+                               GLint(from.height), 0, 0, GLint(to.width), GLint(to.height),
+                               GL_COLOR_BUFFER_BIT, GL_LINEAR);
+    }
+}
+
+rhi::MemoryBudget GlBackend::memory_budget() {
+    context_->make_current();
+    if (!epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) return {};
+    GLint total_kib = 0, free_kib = 0;
+    glGetIntegerv(GL_GPU_MEMORY_INFO_TOTAL_AVAILABLE_MEMORY_NVX, &total_kib);
+    glGetIntegerv(GL_GPU_MEMORY_INFO_CURRENT_AVAILABLE_VIDMEM_NVX, &free_kib);
+    return {.used_bytes = uint64_t(total_kib - free_kib) << 10, .budget_bytes = uint64_t(total_kib) << 10};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc) {
+    auto context = Context::open(desc);
+    if (!context) return tl::unexpected(context.error());
+    auto ring = PushRing::create((*context)->info().limits.uniform_alignment);
+    if (!ring) return tl::unexpected(ring.error());
+    return std::make_unique<GlBackend>(*std::move(context), *std::move(ring), desc.disk_cache);
+}
+
+std::vector<rhi::DeviceInfo> list_devices() { return found_devices(); }
+
+}  // namespace lumo::backends::gl

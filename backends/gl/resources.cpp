@@ -1,0 +1,253 @@
+#include "backends/gl/resources.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <string>
+
+namespace lumo::backends::gl {
+namespace {
+
+using rhi::Dimension;
+
+GLenum gl_filter(rhi::FilterMode filter) {
+    return filter == rhi::FilterMode::linear ? GL_LINEAR : GL_NEAREST;
+}
+
+GLenum gl_filter(rhi::FilterMode filter, rhi::FilterMode mip) {
+    if (mip == rhi::FilterMode::linear) {
+        return filter == rhi::FilterMode::linear ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
+    }
+    return filter == rhi::FilterMode::linear ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
+}
+
+GLenum gl_address(rhi::AddressMode mode) {
+    switch (mode) {
+        case rhi::AddressMode::repeat:
+            return GL_REPEAT;
+        case rhi::AddressMode::mirrored_repeat:
+            return GL_MIRRORED_REPEAT;
+        case rhi::AddressMode::clamp_to_edge:
+            return GL_CLAMP_TO_EDGE;
+        case rhi::AddressMode::clamp_to_border:
+            return GL_CLAMP_TO_BORDER;
+    }
+    return GL_NONE;
+}
+
+/// Bytes of all mips, layers and samples; OpenGL does not tell what the driver takes.
+uint64_t texture_bytes(const rhi::TextureDesc& desc) {
+    const rhi::FormatInfo& format = rhi::format_info(desc.format);
+    auto blocks = [&](uint32_t side) { return uint64_t(side + format.block_side - 1) / format.block_side; };
+    uint64_t bytes = 0;
+    for (uint32_t mip = 0; mip < desc.mips; ++mip) {
+        const rhi::Extent extent = rhi::mip_extent(desc.extent, mip);
+        bytes += blocks(extent.width) * blocks(extent.height) * extent.depth * format.bytes_per_block;
+    }
+    return bytes * desc.layers * desc.samples;
+}
+
+void allocate(GLuint name, const rhi::TextureDesc& desc) {
+    const GLenum internal = gl_format(desc.format).internal;
+    const auto mips = GLsizei(desc.mips), width = GLsizei(desc.extent.width),
+               height = GLsizei(desc.extent.height), depth = GLsizei(desc.extent.depth),
+               layers = GLsizei(desc.layers);
+    switch (desc.dimension) {
+        case Dimension::d1:
+            glTextureStorage1D(name, mips, internal, width);
+            break;
+        case Dimension::d1_array:
+            glTextureStorage2D(name, mips, internal, width, layers);
+            break;
+        case Dimension::d2:
+        case Dimension::cube:
+            glTextureStorage2D(name, mips, internal, width, height);
+            break;
+        case Dimension::d3:
+            glTextureStorage3D(name, mips, internal, width, height, depth);
+            break;
+        case Dimension::d2_array:
+        case Dimension::cube_array:
+            glTextureStorage3D(name, mips, internal, width, height, layers);
+            break;
+        case Dimension::d2_multisample:
+            glTextureStorage2DMultisample(name, GLsizei(desc.samples), internal, width, height, GL_TRUE);
+            break;
+    }
+}
+
+void attach(GLuint framebuffer, GLenum point, const Attachment& attachment) {
+    if (attachment.layer == Attachment::all_layers) {
+        glNamedFramebufferTexture(framebuffer, point, attachment.texture, attachment.mip);
+    } else {
+        glNamedFramebufferTextureLayer(framebuffer, point, attachment.texture, attachment.mip,
+                                       attachment.layer);
+    }
+}
+
+}  // namespace
+
+void label(GLenum kind, GLuint name, std::string_view text) {
+    constexpr size_t longest = 255;  // what every driver takes
+    if (!text.empty()) glObjectLabel(kind, name, GLsizei(std::min(text.size(), longest)), text.data());
+}
+
+Result<void> check_errors(std::string_view subject) {
+    const GLenum error = glGetError();
+    while (error != GL_NO_ERROR && glGetError() != GL_NO_ERROR && error != GL_CONTEXT_LOST) {
+    }
+    switch (error) {
+        case GL_NO_ERROR:
+            return {};
+        case GL_OUT_OF_MEMORY:
+            return fail(ErrorKind::out_of_memory, std::string(subject), "the OpenGL driver is out of memory");
+        case GL_CONTEXT_LOST:
+            return fail(ErrorKind::device_lost, std::string(subject), "the context was lost");
+        default:
+            return fail(ErrorKind::unsupported, std::string(subject),
+                        fmt::format("the OpenGL driver refuses it with error {:#x}", error));
+    }
+}
+
+Result<rhi::CreatedBuffer> Resources::create(rhi::BufferHandle handle, const rhi::BufferDesc& desc) {
+    constexpr GLbitfield mapping = GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    GLbitfield flags = 0;
+    if (desc.memory == rhi::Memory::upload) flags = mapping | GL_MAP_WRITE_BIT;
+    if (desc.memory == rhi::Memory::readback) flags = mapping | GL_MAP_READ_BIT;
+
+    GLuint name = 0;
+    glCreateBuffers(1, &name);
+    glNamedBufferStorage(name, GLsizeiptr(desc.size), nullptr, flags);
+    rhi::CreatedBuffer created{.allocated_bytes = desc.size};
+    auto status = check_errors(desc.name);
+    if (status && flags) {
+        created.mapped =
+            static_cast<std::byte*>(glMapNamedBufferRange(name, 0, GLsizeiptr(desc.size), flags));
+        if (!created.mapped) status = check_errors(desc.name);
+    }
+    if (!status) {
+        glDeleteBuffers(1, &name);
+        return tl::unexpected(status.error());
+    }
+    label(GL_BUFFER, name, desc.name);
+    slot(buffers_, handle.index) = name;
+    return created;
+}
+
+Result<uint64_t> Resources::create(rhi::TextureHandle handle, const rhi::TextureDesc& desc) {
+    GLuint name = 0;
+    glCreateTextures(gl_target(desc.dimension), 1, &name);
+    allocate(name, desc);
+    if (auto status = check_errors(desc.name); !status) {
+        glDeleteTextures(1, &name);
+        return tl::unexpected(status.error());
+    }
+    label(GL_TEXTURE, name, desc.name);
+    slot(textures_, handle.index) = {name, desc, {}};
+    return texture_bytes(desc);
+}
+
+Result<void> Resources::create(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) {
+    static constexpr GLfloat borders[][4] = {{0, 0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1, 1}};
+    GLuint name = 0;
+    glCreateSamplers(1, &name);
+    glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, GLint(gl_filter(desc.magnification)));
+    glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GLint(gl_filter(desc.minification, desc.mip)));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_S, GLint(gl_address(desc.address_u)));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GLint(gl_address(desc.address_v)));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_R, GLint(gl_address(desc.address_w)));
+    glSamplerParameterfv(name, GL_TEXTURE_BORDER_COLOR, borders[size_t(desc.border)]);
+    glSamplerParameterf(name, GL_TEXTURE_MIN_LOD, desc.min_lod);
+    glSamplerParameterf(name, GL_TEXTURE_MAX_LOD, desc.max_lod);
+    if (desc.max_anisotropy > 1)
+        glSamplerParameterf(name, GL_TEXTURE_MAX_ANISOTROPY_EXT, desc.max_anisotropy);
+    slot(samplers_, handle.index) = name;
+    return check_errors("sampler");
+}
+
+void Resources::destroy(rhi::BufferHandle handle) { glDeleteBuffers(1, &buffers_[handle.index]); }
+
+void Resources::destroy(rhi::SamplerHandle handle) { glDeleteSamplers(1, &samplers_[handle.index]); }
+
+void Resources::destroy(rhi::TextureHandle handle) {
+    Texture texture = std::exchange(textures_[handle.index], {});
+    std::vector<GLuint> names{texture.name};
+    for (const Texture::View& view : texture.views) names.push_back(view.name);
+    std::erase_if(framebuffers_, [&](const auto& entry) {
+        bool uses = false;
+        for (size_t i = 0; i + 2 < entry.first.size(); i += 3) {
+            uses = uses || std::ranges::find(names, GLuint(entry.first[i])) != names.end();
+        }
+        if (uses) glDeleteFramebuffers(1, &entry.second);
+        return uses;
+    });
+    glDeleteTextures(GLsizei(names.size()), names.data());
+}
+
+GLuint Resources::view(const rhi::TextureView& view) {
+    Texture& texture = textures_[view.texture.index];
+    const rhi::TextureDesc& desc = texture.desc;
+    if (view.dimension == desc.dimension && view.format == desc.format && view.first_mip == 0 &&
+        view.mips == desc.mips && view.first_layer == 0 && view.layers == desc.layers) {
+        return texture.name;
+    }
+    auto found = std::ranges::find(texture.views, view, &Texture::View::range);
+    if (found != texture.views.end()) return found->name;
+
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    glTextureView(name, gl_target(view.dimension), texture.name, gl_format(view.format).internal,
+                  view.first_mip, view.mips, view.first_layer, view.layers);
+    label(GL_TEXTURE, name, desc.name);
+    texture.views.push_back({view, name});
+    return name;
+}
+
+GLuint Resources::view_of_all_mips(rhi::TextureView view) {
+    view.first_mip = 0;
+    view.mips = texture(view.texture).desc.mips;
+    return this->view(view);
+}
+
+Attachment Resources::attachment(const rhi::TextureView& view) {
+    const rhi::TextureDesc& desc = texture(view.texture).desc;
+    if (view.layers > 1 || !is_layered(desc.dimension)) {
+        return {view_of_all_mips(view), GLint(view.first_mip), Attachment::all_layers};
+    }
+    // One layer of many: attached alone, without a view for each.
+    rhi::TextureView whole = view;
+    whole.dimension = desc.dimension;
+    whole.first_layer = 0;
+    whole.layers = desc.layers;
+    return {view_of_all_mips(whole), GLint(view.first_mip), GLint(view.first_layer)};
+}
+
+GLuint Resources::framebuffer(std::span<const Attachment> color, const Attachment* depth,
+                              const rhi::Extent& extent, uint32_t samples) {
+    std::vector<GLint> key;
+    for (const Attachment& a : color) key.insert(key.end(), {GLint(a.texture), a.mip, a.layer});
+    if (depth) {
+        key.insert(key.end(), {GLint(depth->texture), depth->mip, depth->layer});
+        key.push_back(-1);  // two numbers short of an attachment: depth is not the last colour
+    }
+    if (key.empty()) key = {0, GLint(extent.width), GLint(extent.height), GLint(samples)};
+    auto [entry, is_new] = framebuffers_.try_emplace(key, 0);
+    if (!is_new) return entry->second;
+
+    GLuint name = 0;
+    glCreateFramebuffers(1, &name);
+    std::vector<GLenum> points;
+    for (size_t i = 0; i < color.size(); ++i) {
+        points.push_back(GLenum(GL_COLOR_ATTACHMENT0 + i));
+        attach(name, points.back(), color[i]);
+    }
+    glNamedFramebufferDrawBuffers(name, GLsizei(points.size()), points.data());
+    if (depth) attach(name, GL_DEPTH_ATTACHMENT, *depth);
+    if (color.empty() && !depth) {
+        glNamedFramebufferParameteri(name, GL_FRAMEBUFFER_DEFAULT_WIDTH, GLint(extent.width));
+        glNamedFramebufferParameteri(name, GL_FRAMEBUFFER_DEFAULT_HEIGHT, GLint(extent.height));
+        glNamedFramebufferParameteri(name, GL_FRAMEBUFFER_DEFAULT_SAMPLES, samples > 1 ? GLint(samples) : 0);
+    }
+    return entry->second = name;
+}
+
+}  // namespace lumo::backends::gl

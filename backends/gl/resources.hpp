@@ -1,0 +1,77 @@
+// Buffers, textures, samplers, and what is made of textures on demand: views and framebuffers.
+#pragma once
+
+#include <epoxy/gl.h>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "backends/gl/formats.hpp"
+#include "rhi/backend.hpp"
+
+namespace lumo::backends::gl {
+
+/// The entry of a dense table, which grows to hold it.
+template <class T>
+T& slot(std::vector<T>& table, uint32_t index) {
+    if (index >= table.size()) table.resize(index + 1);
+    return table[index];
+}
+
+struct Texture {
+    struct View {
+        rhi::TextureView range;
+        GLuint name;
+    };
+    GLuint name = 0;
+    rhi::TextureDesc desc;
+    std::vector<View> views;  ///< but the whole, which is `name`
+};
+
+/// What a framebuffer is made of.
+struct Attachment {
+    static constexpr GLint all_layers = -1;
+    GLuint texture = 0;
+    GLint mip = 0;
+    GLint layer = all_layers;
+};
+
+/// Names of OpenGL objects by the core's handles. The context's end frees what is left.
+class Resources {
+  public:
+    Result<rhi::CreatedBuffer> create(rhi::BufferHandle handle, const rhi::BufferDesc& desc);
+    Result<uint64_t> create(rhi::TextureHandle handle, const rhi::TextureDesc& desc);
+    Result<void> create(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc);
+    void destroy(rhi::BufferHandle handle);
+    void destroy(rhi::TextureHandle handle);
+    void destroy(rhi::SamplerHandle handle);
+
+    GLuint buffer(rhi::BufferHandle handle) const { return buffers_[handle.index]; }
+    GLuint sampler(rhi::SamplerHandle handle) const { return samplers_[handle.index]; }
+    const Texture& texture(rhi::TextureHandle handle) const { return textures_[handle.index]; }
+
+    /// A texture object that shows exactly this part.
+    GLuint view(const rhi::TextureView& view);
+    /// The same with every mip, for commands that name the mip themselves.
+    GLuint view_of_all_mips(rhi::TextureView view);
+
+    Attachment attachment(const rhi::TextureView& view);
+    /// Without any attachment the framebuffer has the given size and samples.
+    GLuint framebuffer(std::span<const Attachment> color, const Attachment* depth, const rhi::Extent& extent,
+                       uint32_t samples);
+
+  private:
+    std::vector<GLuint> buffers_;
+    std::vector<GLuint> samplers_;
+    std::vector<Texture> textures_;
+    std::map<std::vector<GLint>, GLuint>
+        framebuffers_;  ///< by attachments, three numbers each, then the size
+};
+
+/// Labels for debuggers and messages.
+void label(GLenum kind, GLuint name, std::string_view text);
+
+/// Turns what glGetError holds into an error about `subject`.
+Result<void> check_errors(std::string_view subject);
+
+}  // namespace lumo::backends::gl

@@ -1,0 +1,118 @@
+#include "backends/gl/timeline.hpp"
+
+#include <algorithm>
+
+namespace lumo::backends::gl {
+namespace {
+
+constexpr size_t kept_submissions = 16;
+
+}  // namespace
+
+Result<void> wait_for(GLsync fence) {
+    constexpr GLuint64 second = 1'000'000'000;
+    for (;;) {
+        switch (glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, second)) {
+            case GL_ALREADY_SIGNALED:
+            case GL_CONDITION_SATISFIED:
+                return {};
+            case GL_TIMEOUT_EXPIRED:
+                if (glGetGraphicsResetStatus() == GL_NO_ERROR) continue;
+                [[fallthrough]];
+            default:
+                return fail(ErrorKind::device_lost, "OpenGL", "the driver reset the device",
+                            "make the device anew");
+        }
+    }
+}
+
+Result<void> Timeline::begin(uint64_t serial) {
+    if (serial > rhi::max_in_flight) {
+        if (auto waited = wait(serial - rhi::max_in_flight); !waited) return waited;
+    }
+    if (submissions_.size() > kept_submissions) {
+        for (const Stamp& stamp : submissions_.front().stamps) {
+            if (stamp.query) spare_queries_.push_back(stamp.query);
+        }
+        submissions_.pop_front();
+    }
+    submissions_.push_back({.serial = serial});
+    return {};
+}
+
+/// A software driver stamps a command when it takes it, not when it is done. So serialised stamps are taken
+/// while the device is idle; one behind each pass is enough, since nothing runs between passes.
+void Timeline::begin_pass() { submissions_.back().stamps.push_back(stamp()); }
+
+void Timeline::end_pass() {
+    if (timing_ == rhi::Timing::serialised) glFinish();
+    submissions_.back().stamps.push_back(stamp());
+}
+
+Timeline::Stamp Timeline::stamp() {
+    if (timing_ == rhi::Timing::serialised) {
+        GLint64 now = 0;
+        glGetInteger64v(GL_TIMESTAMP, &now);
+        return {.time_ns = uint64_t(now)};
+    }
+    if (spare_queries_.empty()) {
+        spare_queries_.resize(64);
+        glCreateQueries(GL_TIMESTAMP, GLsizei(spare_queries_.size()), spare_queries_.data());
+    }
+    const GLuint query = spare_queries_.back();
+    spare_queries_.pop_back();
+    glQueryCounter(query, GL_TIMESTAMP);
+    return {.query = query};
+}
+
+Result<void> Timeline::submit() {
+    submissions_.back().fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();
+    if (glGetGraphicsResetStatus() == GL_NO_ERROR) return {};
+    return fail(ErrorKind::device_lost, "OpenGL", "the driver reset the device", "make the device anew");
+}
+
+void Timeline::finish_oldest() {
+    auto oldest = std::ranges::find_if(submissions_, [](const Submission& s) { return s.fence != nullptr; });
+    glDeleteSync(std::exchange(oldest->fence, nullptr));
+    completed_ = oldest->serial;
+}
+
+uint64_t Timeline::completed() {
+    for (const Submission& submission : submissions_) {
+        if (!submission.fence) continue;
+        const GLenum state = glClientWaitSync(submission.fence, 0, 0);
+        if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED) break;
+        finish_oldest();
+    }
+    return completed_;
+}
+
+Result<void> Timeline::wait(uint64_t serial) {
+    for (const Submission& submission : submissions_) {
+        if (submission.serial > serial) break;
+        if (!submission.fence) continue;
+        if (auto waited = wait_for(submission.fence); !waited) return waited;
+        finish_oldest();
+    }
+    return {};
+}
+
+std::vector<rhi::PassStamp> Timeline::stamps(uint64_t serial) {
+    std::vector<rhi::PassStamp> passes;
+    auto found = std::ranges::find(submissions_, serial, &Submission::serial);
+    if (found == submissions_.end()) return passes;
+    for (Stamp& stamp : found->stamps) {
+        if (!stamp.query) continue;
+        GLuint64 time = 0;
+        glGetQueryObjectui64v(stamp.query, GL_QUERY_RESULT, &time);
+        spare_queries_.push_back(std::exchange(stamp.query, 0));
+        stamp.time_ns = time;
+    }
+    for (size_t i = 0; i + 1 < found->stamps.size(); i += 2) {
+        passes.push_back({found->stamps[i].time_ns, found->stamps[i + 1].time_ns});
+    }
+    return passes;
+}
+
+}  // namespace lumo::backends::gl
