@@ -97,16 +97,22 @@ struct Barrier {
     bool operator==(const Barrier&) const = default;
 };
 
+/// Pairs of one access and one shader stage, as bits: what a barrier's two sides are made of. Accesses that
+/// are not by shaders have one bit each.
+using Reach = uint32_t;
+Reach reach_of(Access access, Stages stages);
+
 /// What is remembered of one memory: its last write, the reads since, its layout.
 struct MemoryState {
     Access write = Access::none;
     Stages write_stages = Stages::none;
     Access reads = Access::none;
     Stages read_stages = Stages::none;
-    Access visible_reads = Access::none;  ///< accesses that a barrier has made the write visible to
-    Stages visible_stages = Stages::none;
+    Reach visible = 0;  ///< what barriers have made the last write visible to
     Layout layout = Layout::undefined;
+    bool moved = false;        ///< its layout changed after the last write, for a read
     bool commutative = false;  ///< the last write was
+    Reach run_visible = 0;     ///< what all that came before the last run of commutative writes is visible to
 };
 
 /// The state of all memory between scopes.
@@ -121,15 +127,18 @@ class HazardTracker {
     std::map<MemoryId, MemoryState> states_;
 };
 
-/// One use per memory out of many: accesses and stages united; general layout where they disagree. Returns
-/// the memory of the first pair that must not meet in one scope (a write beside another use, unless every use
-/// of that memory in the scope is commutative or is the same storage binding).
+/// Whose uses are brought together: the bindings of one command, or the draws of one raster pass.
+enum class Sharing : uint8_t { command, draws };
+
+/// One use per memory out of many, sorted by memory: accesses and stages united; general layout where they
+/// disagree. Uses that must not meet are a write beside any other use, unless all of that memory are
+/// commutative, or all are plain writes by different draws (to places of their own).
 struct MergedUses {
     std::vector<Use> uses;
     bool conflict = false;
-    MemoryId conflicting;
+    MemoryId conflicting;  ///< the first memory whose uses must not meet
 };
-MergedUses merge_uses(std::span<const Use> uses);
+MergedUses merge_uses(std::span<const Use> uses, Sharing sharing = Sharing::command);
 
 /// Barriers in front of each scope, from nothing known.
 std::vector<std::vector<Barrier>> plan_barriers(std::span<const Scope> scopes);

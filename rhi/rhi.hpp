@@ -66,14 +66,15 @@ struct MemoryEntry {
 /// What both kinds of pass share: a pass ends, and is handed to the device, when it goes out of scope.
 class PassBase {
   public:
-    PassBase(PassBase&& other) noexcept : core_(std::exchange(other.core_, nullptr)) {}
+    PassBase(PassBase&& other) noexcept : core_(other.core_), id_(std::exchange(other.id_, 0)) {}
     PassBase& operator=(PassBase&&) = delete;
     ~PassBase() { end(); }
     void end();
 
   protected:
-    explicit PassBase(DeviceCore* core) : core_(core) {}
-    DeviceCore* core_;  ///< null once ended
+    PassBase(DeviceCore* core, uint64_t id) : core_(core), id_(id) {}
+    DeviceCore* core_;  ///< null: the pass could not be opened, and drops what it is told
+    uint64_t id_;       ///< 0 once ended
 };
 
 /// Compute and copies.
@@ -165,7 +166,7 @@ class RasterPass : public PassBase {
 /// The work of one submission, while it is recorded. One is open at a time.
 class Commands {
   public:
-    Commands(Commands&& other) noexcept : core_(std::exchange(other.core_, nullptr)) {}
+    Commands(Commands&& other) noexcept : core_(other.core_), serial_(std::exchange(other.serial_, 0)) {}
     Commands& operator=(Commands&&) = delete;
     /// Submits what was recorded, if Device::submit did not.
     ~Commands();
@@ -183,8 +184,9 @@ class Commands {
 
   private:
     friend class Device;
-    explicit Commands(DeviceCore* core) : core_(core) {}
+    Commands(DeviceCore* core, uint64_t serial) : core_(core), serial_(serial) {}
     DeviceCore* core_;
+    uint64_t serial_;  ///< 0 once submitted
 };
 
 /// One GPU through one API. Make it with backends::create_device.
@@ -256,7 +258,11 @@ class Device {
     Result<PipelineHandle> create_pipeline(const ProgramInfo& program, std::span<const uint32_t> options,
                                            const RasterState* state);
 
-    std::unique_ptr<DeviceCore> core_;
+    /// Ends the device's work; the core itself lives on while owners that should be gone still name it.
+    struct Close {
+        void operator()(DeviceCore* core) const;
+    };
+    std::unique_ptr<DeviceCore, Close> core_;
 };
 
 /// One whole mip, all layers.

@@ -1,0 +1,157 @@
+// What stands behind Device, Commands and passes: everything of the RHI that needs no API.
+#pragma once
+
+#include <map>
+#include <memory_resource>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rhi/backend.hpp"
+#include "rhi/plan.hpp"
+#include "rhi/resource_table.hpp"
+#include "rhi/rhi.hpp"
+#include "rhi/staging.hpp"
+#include "rhi/validate.hpp"
+
+namespace lumo::rhi {
+
+/// Errors of commands reach the message sink when they happen; what is returned as well is for callers that
+/// have someone to hand it to.
+class DeviceCore {
+  public:
+    DeviceCore(std::unique_ptr<Backend> backend, MessageSink sink);
+    ~DeviceCore();
+
+    // -- resources
+    const DeviceInfo& info() const { return backend_->info(); }
+    FormatCaps format_caps(Format format) const { return backend_->format_caps(format); }
+    Result<Buffer> create_buffer(const BufferDesc& desc);
+    Result<Texture> create_texture(const TextureDesc& desc);
+    Result<Sampler> create_sampler(const SamplerDesc& desc);
+    Result<PipelineHandle> create_pipeline(const ProgramInfo& program, std::span<const uint32_t> options,
+                                           const RasterState* raster);
+    /// For owners; the last one to go after the device takes the core with it.
+    template <class HandleType>
+    void release(HandleType handle);
+
+    // -- submissions
+    uint64_t begin();
+    Submission submit(uint64_t serial);
+    Result<void> wait(uint64_t serial);
+    bool finished(uint64_t serial) { return serial <= backend_->completed(); }
+    Result<std::vector<std::byte>> take(Readback readback);
+    std::vector<PassTime> pass_times(uint64_t serial);
+    std::string trace(uint64_t serial) const;
+    void set_tracing(bool on) { tracing_ = on; }
+    /// Waits for the device, reports what is still owned, and lets go of it. True when nobody owned anything.
+    bool close();
+
+    std::vector<MemoryEntry> memory() const { return resources_.memory(); }
+    MemoryBudget memory_budget() const { return backend_->memory_budget(); }
+    void report(const Message& message) const;
+
+    // -- passes: by the submission's serial, then by the pass's id; 0 for what could not be opened
+    bool recording(uint64_t serial);
+    uint64_t open_pass(uint64_t serial, std::string_view name);
+    uint64_t open_raster_pass(uint64_t serial, std::string_view name, const RasterTargets& targets);
+    void end_pass(uint64_t id);
+    Result<BufferSlice> uniform(uint64_t serial, std::span<const std::byte> bytes);
+
+    Result<void> dispatch(uint64_t id, PipelineHandle pipeline, std::span<const BindingValue> bindings,
+                          std::span<const std::byte> push, Groups groups);
+    Result<void> dispatch_indirect(uint64_t id, PipelineHandle pipeline,
+                                   std::span<const BindingValue> bindings, std::span<const std::byte> push,
+                                   BufferSlice arguments, bool unordered);
+    Result<void> copy(uint64_t id, BufferSlice source, BufferSlice destination);
+    Result<void> copy(uint64_t id, TextureHandle source, const TextureRegion& source_region,
+                      TextureHandle destination, const TextureRegion& destination_region);
+    Result<void> upload(uint64_t id, BufferSlice destination, std::span<const std::byte> bytes);
+    Result<void> upload(uint64_t id, TextureHandle destination, const TextureRegion& region,
+                        std::span<const std::byte> texels);
+    Result<void> fill(uint64_t id, BufferSlice destination, uint32_t value);
+    Result<void> clear(uint64_t id, const TextureView& view, const ClearValue& value);
+    Result<void> generate_mips(uint64_t id, TextureHandle texture);
+    Result<Readback> read(uint64_t id, BufferSlice source);
+    Result<Readback> read(uint64_t id, TextureHandle source, const TextureRegion& region);
+
+    template <class AnyDraw>
+    Result<void> draw(uint64_t id, PipelineHandle pipeline, std::span<const BindingValue> bindings,
+                      std::span<const std::byte> push, const AnyDraw& draw);
+    Result<void> viewport(uint64_t id, const Viewport& viewport);
+
+    tl::unexpected<Error> drop(std::string_view where, const Fault& fault) const;
+
+  private:
+    /// The pass that is open.
+    struct OpenPass {
+        uint64_t id = 0;
+        std::string name;
+        bool raster = false;
+        RasterTargets targets;
+        std::vector<Step> steps;
+        std::vector<Use> uses;                      ///< of a raster pass so far
+        std::pmr::monotonic_buffer_resource arena;  ///< bindings and push constants of its steps
+        std::vector<Scope> scopes;                  ///< for the trace, with their barriers
+        std::vector<std::vector<Barrier>> barriers;
+    };
+    /// What is kept of a submission for those who ask later.
+    struct Record {
+        std::vector<std::string> passes;
+        std::string trace;
+    };
+    /// One command's bindings, checked and kept, with what they touch.
+    struct Bound {
+        PipelineBindings command;
+        std::vector<Use> uses;
+    };
+
+    /// Runs `body` (OpenPass& -> Verdict) on pass `id` if that is open, and reports what it finds.
+    template <class Body>
+    Result<void> record(uint64_t id, Body body);
+    uint64_t start_pass(uint64_t serial, std::string_view name, std::unique_ptr<OpenPass> pass);
+    void add(OpenPass& pass, std::string_view what, std::span<const Use> uses, bool unordered,
+             Command command);
+    std::vector<Barrier> enter(OpenPass& pass, Scope scope);
+
+    Verdict bind(OpenPass& pass, PipelineHandle pipeline, std::span<const BindingValue> bindings,
+                 std::span<const std::byte> push, Bound& bound);
+    Verdict bind_one(const BindingInfo& info, const BindingValue& value, std::vector<Use>& uses);
+    Verdict check_targets(RasterTargets& targets, std::vector<Use>& uses);
+    Verdict check_draw_targets(const OpenPass& pass, const PipelineRecord& pipeline) const;
+    Verdict use_slice(const BufferSlice& slice, BufferUsage usage, Access access, uint64_t alignment,
+                      std::vector<Use>& uses);
+    Verdict use_draw(const Draw& draw, const PipelineBindings& what, std::vector<Use>& uses,
+                     Command& command);
+    Verdict use_draw(const DrawIndexed& draw, const PipelineBindings& what, std::vector<Use>& uses,
+                     Command& command);
+    Verdict use_draw(const DrawIndirect& draw, const PipelineBindings& what, std::vector<Use>& uses,
+                     Command& command);
+    Verdict conflict(const MemoryId& memory) const;
+    Verdict stage(std::span<const std::byte> bytes, uint64_t alignment, BufferSlice& slice);
+    Use texture_use(const TextureView& view, uint32_t mip, Access access, bool discard = false);
+    template <class T>
+    std::span<const T> keep(OpenPass& pass, std::span<const T> values);
+
+    /// What releases now wait for.
+    uint64_t last_serial() const { return open_serial_ ? open_serial_ : submitted_; }
+
+    std::unique_ptr<Backend> backend_;
+    MessageSink sink_;
+    ResourceTable resources_;
+    UploadRing uploads_;
+    ReadbackPool readbacks_;
+    HazardTracker tracker_;
+
+    uint64_t submitted_ = 0;
+    uint64_t open_serial_ = 0;  ///< 0 while nothing is recorded
+    std::optional<Error> lost_;
+    uint64_t last_pass_ = 0;
+    std::unique_ptr<OpenPass> pass_;
+    std::map<uint64_t, Record> records_;
+    bool tracing_ = false;
+    size_t owners_ = 0;
+    bool closed_ = false;
+};
+
+}  // namespace lumo::rhi

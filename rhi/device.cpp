@@ -1,0 +1,260 @@
+#include <algorithm>
+#include <cstdio>
+#include <fmt/format.h>
+
+#include "rhi/core.hpp"
+
+namespace lumo::rhi {
+namespace {
+
+/// Submissions whose pass times and trace are kept.
+constexpr uint64_t kept_records = 16;
+
+/// Spreads a core's address so that the handles of two devices do not name each other's resources.
+uint32_t handle_seed(const void* core) {
+    return uint32_t((uint64_t(reinterpret_cast<uintptr_t>(core)) * 0x9e3779b97f4a7c15u) >> 32);
+}
+
+}  // namespace
+
+// -- resources
+
+DeviceCore::DeviceCore(std::unique_ptr<Backend> backend, MessageSink sink)
+    : backend_(std::move(backend)),
+      sink_(std::move(sink)),
+      resources_(*backend_, handle_seed(this)),
+      uploads_(resources_, *backend_),
+      readbacks_(resources_) {}
+
+DeviceCore::~DeviceCore() = default;
+
+Result<Buffer> DeviceCore::create_buffer(const BufferDesc& desc) {
+    if (auto fine = check_desc(desc); !fine) return tl::unexpected(fine.error());
+    return resources_.create(desc, false).map([&](BufferHandle handle) {
+        tracker_.forget(MemoryId::Kind::buffer, handle.index);
+        ++owners_;
+        return Buffer(*this, handle, desc.size, resources_.find(handle)->mapped);
+    });
+}
+
+Result<Texture> DeviceCore::create_texture(const TextureDesc& desc) {
+    if (auto fine = check_desc(desc, format_caps(desc.format), info().limits); !fine)
+        return tl::unexpected(fine.error());
+    return resources_.create(desc).map([&](TextureHandle handle) {
+        tracker_.forget(MemoryId::Kind::texture, handle.index);
+        ++owners_;
+        return Texture(*this, handle, desc);
+    });
+}
+
+Result<Sampler> DeviceCore::create_sampler(const SamplerDesc& desc) {
+    if (auto fine = check_desc(desc); !fine) return tl::unexpected(fine.error());
+    SamplerDesc possible = desc;
+    possible.max_anisotropy = std::min(desc.max_anisotropy, info().limits.max_anisotropy);
+    return resources_.create(possible).map([&](SamplerHandle handle) {
+        ++owners_;
+        return Sampler(*this, handle);
+    });
+}
+
+Result<PipelineHandle> DeviceCore::create_pipeline(const ProgramInfo& program,
+                                                   std::span<const uint32_t> options,
+                                                   const RasterState* raster) {
+    auto fine =
+        check_pipeline(program, raster, info(), [this](Format format) { return format_caps(format); });
+    if (!fine) return tl::unexpected(fine.error());
+    auto handle = resources_.create(program, options, raster);
+    if (handle) ++owners_;
+    return handle;
+}
+
+template <class HandleType>
+void DeviceCore::release(HandleType handle) {
+    --owners_;
+    if (closed_) {
+        if (owners_ == 0) delete this;
+        return;
+    }
+    resources_.release(handle, last_serial());
+    resources_.collect(backend_->completed());
+}
+
+void detail::release(DeviceCore& core, BufferHandle handle) { core.release(handle); }
+void detail::release(DeviceCore& core, TextureHandle handle) { core.release(handle); }
+void detail::release(DeviceCore& core, SamplerHandle handle) { core.release(handle); }
+void detail::release(DeviceCore& core, PipelineHandle handle) { core.release(handle); }
+
+// -- messages
+
+void DeviceCore::report(const Message& message) const {
+    if (sink_) return sink_(message);
+    if (is_failure(message)) std::fprintf(stderr, "lumo: %s: %s\n", message.id.c_str(), message.text.c_str());
+}
+
+tl::unexpected<Error> DeviceCore::drop(std::string_view where, const Fault& fault) const {
+    const bool misuse = fault.check != Check::none;
+    const std::string id = misuse ? std::string(to_string(fault.check)) : "device";
+    report({Severity::error, fault.check, id, fmt::format("{}: {}", where, fault.text)});
+    return fail(fault.kind, std::string(where), misuse ? id + ": " + fault.text : fault.text);
+}
+
+// -- submissions
+
+uint64_t DeviceCore::begin() {
+    if (open_serial_) {
+        drop("begin", {Check::pass_open, "another submission is being recorded"});
+        return 0;
+    }
+    open_serial_ = submitted_ + 1;
+    if (auto begun = lost_ ? tl::unexpected(*lost_) : backend_->begin(open_serial_); !begun && !lost_) {
+        lost_ = begun.error();
+        drop("begin", {Check::none, to_string(*lost_)});
+    }
+    resources_.collect(backend_->completed());
+    records_[open_serial_];
+    if (open_serial_ > kept_records)
+        records_.erase(records_.begin(), records_.upper_bound(open_serial_ - kept_records));
+    return open_serial_;
+}
+
+Submission DeviceCore::submit(uint64_t serial) {
+    if (!recording(serial)) return {};
+    if (pass_) {
+        drop("submit", {Check::pass_open, fmt::format("pass \"{}\" is still open", pass_->name)});
+        end_pass(pass_->id);
+    }
+    submitted_ = std::exchange(open_serial_, 0);
+    if (auto done = lost_ ? Result<void>{} : backend_->submit(); !done) {
+        lost_ = done.error();
+        drop("submit", {Check::none, to_string(*lost_)});
+    }
+    return {submitted_};
+}
+
+Result<void> DeviceCore::wait(uint64_t serial) {
+    if (serial > submitted_)
+        return fail(ErrorKind::invalid_argument, "wait",
+                    fmt::format("submission {} was not submitted", serial));
+    if (lost_) return tl::unexpected(*lost_);
+    auto done = backend_->wait(serial);
+    if (!done && done.error().kind == ErrorKind::device_lost) lost_ = done.error();
+    if (done) resources_.collect(backend_->completed());
+    return done;
+}
+
+Result<std::vector<std::byte>> DeviceCore::take(Readback readback) {
+    const ReadbackPool::Ticket* ticket = readbacks_.find(readback);
+    if (!ticket)
+        return drop("take",
+                    {Check::ticket_unknown, fmt::format("readback {} was taken or never made", readback.id)});
+    if (ticket->serial > submitted_)
+        return drop("take", {Check::ticket_unknown,
+                             fmt::format("readback {} is part of submission {}, which was not submitted",
+                                         readback.id, ticket->serial)});
+    return wait(ticket->serial).map([&] { return readbacks_.take(readback); });
+}
+
+std::vector<PassTime> DeviceCore::pass_times(uint64_t serial) {
+    const auto found = records_.find(serial);
+    if (found == records_.end() || !wait(serial)) return {};
+    const std::vector<PassStamp> stamps = backend_->stamps(serial);
+    std::vector<PassTime> times;
+    for (size_t i = 0; i < std::min(stamps.size(), found->second.passes.size()); ++i)
+        times.push_back({found->second.passes[i], double(stamps[i].end_ns - stamps[i].begin_ns) * 1e-6});
+    return times;
+}
+
+std::string DeviceCore::trace(uint64_t serial) const {
+    const auto found = records_.find(serial);
+    return found == records_.end() ? std::string{} : found->second.trace;
+}
+
+bool DeviceCore::close() {
+    closed_ = true;
+    if (open_serial_) submit(open_serial_);
+    if (submitted_ && !lost_) (void)backend_->wait(submitted_);
+    for (const std::string& owned : resources_.owned())
+        drop("device", {Check::leaked_resource, owned + " outlives its device"});
+    resources_.release_all();
+    resources_.collect(~uint64_t{0});
+    backend_.reset();
+    return owners_ == 0;
+}
+
+// -- Device
+
+Device::Device(std::unique_ptr<Backend> backend, const DeviceDesc& desc)
+    : core_(new DeviceCore(std::move(backend), desc.sink)) {}
+Device::Device(Device&&) noexcept = default;
+Device& Device::operator=(Device&&) noexcept = default;
+Device::~Device() = default;
+
+void Device::Close::operator()(DeviceCore* core) const {
+    if (core->close()) delete core;
+}
+
+const DeviceInfo& Device::info() const { return core_->info(); }
+FormatCaps Device::format_caps(Format format) const { return core_->format_caps(format); }
+Result<Buffer> Device::create_buffer(const BufferDesc& desc) { return core_->create_buffer(desc); }
+Result<Texture> Device::create_texture(const TextureDesc& desc) { return core_->create_texture(desc); }
+Result<Sampler> Device::create_sampler(const SamplerDesc& desc) { return core_->create_sampler(desc); }
+Result<PipelineHandle> Device::create_pipeline(const ProgramInfo& program, std::span<const uint32_t> options,
+                                               const RasterState* state) {
+    return core_->create_pipeline(program, options, state);
+}
+
+Commands Device::begin() { return {core_.get(), core_->begin()}; }
+Submission Device::submit(Commands&& commands) { return core_->submit(std::exchange(commands.serial_, 0)); }
+Result<void> Device::wait(Submission submission) { return core_->wait(submission.serial); }
+bool Device::finished(Submission submission) { return core_->finished(submission.serial); }
+Result<std::vector<std::byte>> Device::take(Readback readback) { return core_->take(readback); }
+
+namespace {
+
+/// One pass of one submission, waited for. `record` takes the pass's id.
+template <class Record>
+auto at_once(DeviceCore& core, std::string_view name, Record record) -> decltype(record(uint64_t{})) {
+    const uint64_t serial = core.begin();
+    if (!serial)
+        return fail(ErrorKind::invalid_argument, std::string(name), "a submission is being recorded");
+    const uint64_t pass = core.open_pass(serial, name);
+    auto recorded = record(pass);
+    core.end_pass(pass);
+    core.submit(serial);
+    if (auto done = core.wait(serial); recorded && !done) return tl::unexpected(done.error());
+    return recorded;
+}
+
+}  // namespace
+
+Result<void> Device::upload(BufferSlice destination, std::span<const std::byte> bytes) {
+    return at_once(*core_, "upload", [&](uint64_t pass) { return core_->upload(pass, destination, bytes); });
+}
+
+Result<void> Device::upload(const Texture& destination, const TextureRegion& region,
+                            std::span<const std::byte> texels) {
+    return at_once(*core_, "upload",
+                   [&](uint64_t pass) { return core_->upload(pass, destination.handle(), region, texels); });
+}
+
+Result<std::vector<std::byte>> Device::download(BufferSlice source) {
+    return at_once(*core_, "download", [&](uint64_t pass) { return core_->read(pass, source); })
+        .and_then([&](Readback readback) { return core_->take(readback); });
+}
+
+Result<std::vector<std::byte>> Device::download(const Texture& source, const TextureRegion& region) {
+    return at_once(*core_, "download",
+                   [&](uint64_t pass) { return core_->read(pass, source.handle(), region); })
+        .and_then([&](Readback readback) { return core_->take(readback); });
+}
+
+std::vector<PassTime> Device::pass_times(Submission submission) {
+    return core_->pass_times(submission.serial);
+}
+std::string Device::trace(Submission submission) const { return core_->trace(submission.serial); }
+void Device::set_tracing(bool on) { core_->set_tracing(on); }
+std::vector<MemoryEntry> Device::memory() const { return core_->memory(); }
+MemoryBudget Device::memory_budget() const { return core_->memory_budget(); }
+void Device::report(const Message& message) const { core_->report(message); }
+
+}  // namespace lumo::rhi

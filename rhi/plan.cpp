@@ -1,0 +1,224 @@
+#include "rhi/plan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <fmt/format.h>
+#include <string_view>
+#include <utility>
+
+namespace lumo::rhi {
+namespace {
+
+constexpr std::array staged_accesses{Access::uniform_read, Access::sampled_read, Access::storage_read,
+                                     Access::storage_write};
+constexpr std::array plain_accesses{Access::indirect_read,    Access::index_read, Access::color_attachment,
+                                    Access::depth_attachment, Access::copy_read,  Access::copy_write,
+                                    Access::host_read,        Access::present};
+constexpr Reach everything = ~Reach{0};
+
+}  // namespace
+
+Reach reach_of(Access access, Stages stages) {
+    Reach reach = 0;
+    for (size_t i = 0; i < staged_accesses.size(); ++i)
+        if (has(access, staged_accesses[i])) reach |= Reach(stages) << (4 * i);
+    for (size_t i = 0; i < plain_accesses.size(); ++i)
+        if (has(access, plain_accesses[i])) reach |= Reach{1} << (4 * staged_accesses.size() + i);
+    return reach;
+}
+
+std::vector<Barrier> HazardTracker::enter(const Scope& scope) {
+    std::vector<Barrier> barriers;
+    for (const Use& use : scope.uses) {
+        MemoryState& state = states_[use.memory];
+        const bool writes = is_write(use.access);
+        const bool moves = use.layout != state.layout;
+        const Reach reach = reach_of(use.access, use.stages);
+        const bool written = state.write != Access::none;
+        const bool touched = written || state.reads != Access::none;
+        const bool joins_run = scope.unordered && use.commutative && state.commutative && !moves &&
+                               state.reads == Access::none && (reach & ~state.run_visible) == 0;
+        const bool waits = moves || (writes ? touched && !joins_run
+                                            : (written || state.moved) && (reach & ~state.visible) != 0);
+        if (waits) {
+            // Reads that only share the last write with this one need not end first, unless the barrier
+            // changes the layout under them or has to wait, through them, for an earlier change.
+            const bool after_reads = writes || moves || state.moved;
+            barriers.push_back(
+                {.memory = use.memory,
+                 .before = after_reads ? state.write | state.reads : state.write,
+                 .before_stages = after_reads ? state.write_stages | state.read_stages : state.write_stages,
+                 .before_layout = state.layout,
+                 .after = use.access,
+                 .after_stages = use.stages,
+                 .after_layout = use.layout,
+                 .discard = use.discard});
+        }
+        if (writes && joins_run) {
+            state.write |= use.access;
+            state.write_stages |= use.stages;
+        } else if (writes) {
+            state = {.write = use.access,
+                     .write_stages = use.stages,
+                     .layout = use.layout,
+                     .commutative = use.commutative,
+                     .run_visible = waits ? reach : everything};
+        } else {
+            if (moves) {
+                state.reads = Access::none;
+                state.read_stages = Stages::none;
+                state.visible = 0;
+                state.layout = use.layout;
+                state.moved = true;
+            }
+            state.reads |= use.access;
+            state.read_stages |= use.stages;
+            if (waits) state.visible |= reach;
+        }
+    }
+    std::ranges::sort(barriers, {}, &Barrier::memory);
+    return barriers;
+}
+
+void HazardTracker::forget(MemoryId::Kind kind, uint32_t index) {
+    auto first = states_.lower_bound({kind, index, 0});
+    auto last = first;
+    while (last != states_.end() && last->first.kind == kind && last->first.index == index) ++last;
+    states_.erase(first, last);
+}
+
+MergedUses merge_uses(std::span<const Use> uses, Sharing sharing) {
+    MergedUses merged;
+    std::vector<Use> sorted(uses.begin(), uses.end());
+    std::ranges::stable_sort(sorted, {}, &Use::memory);
+    for (const Use& use : sorted) {
+        if (merged.uses.empty() || merged.uses.back().memory != use.memory) {
+            merged.uses.push_back(use);
+            continue;
+        }
+        Use& whole = merged.uses.back();
+        const bool writes = is_write(whole.access) || is_write(use.access);
+        const bool commute = whole.commutative && use.commutative;
+        const bool own_places = sharing == Sharing::draws && whole.access == Access::storage_write &&
+                                use.access == Access::storage_write;
+        if (writes && !commute && !own_places && !merged.conflict) {
+            merged.conflict = true;
+            merged.conflicting = use.memory;
+        }
+        whole.access |= use.access;
+        whole.stages |= use.stages;
+        if (whole.layout != use.layout) whole.layout = Layout::general;
+        whole.discard = whole.discard && use.discard;
+        whole.commutative = commute;
+    }
+    return merged;
+}
+
+std::vector<std::vector<Barrier>> plan_barriers(std::span<const Scope> scopes) {
+    HazardTracker tracker;
+    std::vector<std::vector<Barrier>> barriers;
+    for (const Scope& scope : scopes) barriers.push_back(tracker.enter(scope));
+    return barriers;
+}
+
+namespace {
+
+/// `flags` as names joined by "|".
+template <class Flags, size_t N>
+std::string join(Flags flags, const std::array<std::pair<Flags, std::string_view>, N>& names) {
+    std::string text;
+    for (const auto& [flag, name] : names)
+        if (has(flags, flag)) text += (text.empty() ? "" : "|") + std::string(name);
+    return text;
+}
+
+std::string access_text(Access access, Stages stages) {
+    static constexpr std::array<std::pair<Access, std::string_view>, 12> accesses{{
+        {Access::indirect_read, "indirect"},
+        {Access::index_read, "index"},
+        {Access::uniform_read, "uniform"},
+        {Access::sampled_read, "sampled"},
+        {Access::storage_read, "storage_read"},
+        {Access::storage_write, "storage_write"},
+        {Access::color_attachment, "color"},
+        {Access::depth_attachment, "depth"},
+        {Access::copy_read, "copy_read"},
+        {Access::copy_write, "copy_write"},
+        {Access::host_read, "host_read"},
+        {Access::present, "present"},
+    }};
+    static constexpr std::array<std::pair<Stages, std::string_view>, 4> stage_names{{
+        {Stages::vertex, "vertex"},
+        {Stages::geometry, "geometry"},
+        {Stages::fragment, "fragment"},
+        {Stages::compute, "compute"},
+    }};
+    if (access == Access::none) return "nothing";
+    std::string text = join(access, accesses);
+    if (stages != Stages::none) text += "@" + join(stages, stage_names);
+    return text;
+}
+
+std::string_view layout_text(Layout layout) {
+    switch (layout) {
+        case Layout::undefined:
+            return "undefined";
+        case Layout::general:
+            return "general";
+        case Layout::read_only:
+            return "read_only";
+        case Layout::color_attachment:
+            return "color_attachment";
+        case Layout::depth_attachment:
+            return "depth_attachment";
+        case Layout::copy_source:
+            return "copy_source";
+        case Layout::copy_destination:
+            return "copy_destination";
+        case Layout::present:
+            return "present";
+    }
+    return "unknown";
+}
+
+std::string memory_text(const MemoryId& memory, const std::map<MemoryId, std::string>& names) {
+    if (auto name = names.find(memory); name != names.end()) return name->second;
+    return memory.kind == MemoryId::Kind::buffer ? fmt::format("buffer {}", memory.index)
+                                                 : fmt::format("texture {} mip {}", memory.index, memory.mip);
+}
+
+std::string barrier_text(const Barrier& barrier, const std::map<MemoryId, std::string>& names) {
+    std::string text = fmt::format("{}: {} -> {}", memory_text(barrier.memory, names),
+                                   access_text(barrier.before, barrier.before_stages),
+                                   access_text(barrier.after, barrier.after_stages));
+    if (barrier.before_layout != barrier.after_layout)
+        text +=
+            fmt::format(", {} -> {}", layout_text(barrier.before_layout), layout_text(barrier.after_layout));
+    if (barrier.discard) text += ", discard";
+    return text;
+}
+
+}  // namespace
+
+std::string to_text(std::span<const Scope> scopes, std::span<const std::vector<Barrier>> barriers,
+                    const std::map<MemoryId, std::string>& names) {
+    std::string text;
+    for (size_t i = 0; i < scopes.size(); ++i) {
+        // Sorted as text: the numbers behind the names depend on when the device let go of older resources.
+        std::vector<std::string> uses;
+        for (const Use& use : scopes[i].uses)
+            uses.push_back(memory_text(use.memory, names) + " " + access_text(use.access, use.stages) +
+                           (use.commutative ? " commutative" : ""));
+        std::vector<std::string> lines;
+        for (const Barrier& barrier : barriers[i]) lines.push_back(barrier_text(barrier, names));
+        std::ranges::sort(uses);
+        std::ranges::sort(lines);
+        text += fmt::format("{}{}: {}\n", scopes[i].label, scopes[i].unordered ? " (unordered)" : "",
+                            fmt::join(uses, ", "));
+        for (const std::string& line : lines) text += "    " + line + "\n";
+    }
+    return text;
+}
+
+}  // namespace lumo::rhi

@@ -1,0 +1,111 @@
+#include "rhi/resource_table.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "rhi/validate.hpp"
+
+namespace lumo::rhi {
+namespace {
+
+template <class HandleType, class Record>
+tl::unexpected<Error> undo(Slots<HandleType, Record>& slots, HandleType handle, Error error) {
+    slots.retire(handle);
+    slots.recycle(handle);
+    return tl::unexpected(std::move(error));
+}
+
+}  // namespace
+
+Result<BufferHandle> ResourceTable::create(const BufferDesc& desc, bool internal) {
+    const BufferHandle handle = buffers_.add(next_generation(), {.desc = desc, .internal = internal});
+    auto made = backend_.create_buffer(handle, desc);
+    if (!made) return undo(buffers_, handle, std::move(made.error()));
+    BufferRecord& record = *buffers_.find(handle);
+    record.mapped = made->mapped;
+    record.bytes = made->allocated_bytes;
+    return handle;
+}
+
+Result<TextureHandle> ResourceTable::create(const TextureDesc& desc) {
+    const TextureHandle handle = textures_.add(next_generation(), {.desc = desc});
+    auto bytes = backend_.create_texture(handle, desc);
+    if (!bytes) return undo(textures_, handle, std::move(bytes.error()));
+    textures_.find(handle)->bytes = *bytes;
+    return handle;
+}
+
+Result<SamplerHandle> ResourceTable::create(const SamplerDesc& desc) {
+    const SamplerHandle handle = samplers_.add(next_generation(), {.desc = desc});
+    auto made = backend_.create_sampler(handle, desc);
+    if (!made) return undo(samplers_, handle, std::move(made.error()));
+    return handle;
+}
+
+Result<PipelineHandle> ResourceTable::create(const ProgramInfo& program, std::span<const uint32_t> options,
+                                             const RasterState* raster) {
+    PipelineRecord record{&program, raster ? std::optional(*raster) : std::nullopt};
+    const PipelineHandle handle = pipelines_.add(next_generation(), std::move(record));
+    auto made = backend_.create_pipeline(handle, program, options, raster);
+    if (!made) return undo(pipelines_, handle, std::move(made.error()));
+    return handle;
+}
+
+std::string ResourceTable::name_of(const MemoryId& memory) const {
+    if (memory.kind == MemoryId::Kind::buffer) return quoted(buffers_.at(memory.index).desc.name);
+    const TextureDesc& texture = textures_.at(memory.index).desc;
+    return texture.mips == 1 ? quoted(texture.name)
+                             : fmt::format("{} mip {}", quoted(texture.name), memory.mip);
+}
+
+void ResourceTable::collect(uint64_t completed) {
+    std::erase_if(graves_, [&](const Grave& grave) {
+        if (grave.serial > completed) return false;
+        std::visit(
+            [&](auto handle) {
+                backend_.destroy(handle);
+                slots(handle).recycle(handle);
+            },
+            grave.handle);
+        return true;
+    });
+}
+
+std::vector<MemoryEntry> ResourceTable::memory() const {
+    std::vector<MemoryEntry> entries;
+    buffers_.each_alive([&](BufferHandle, const BufferRecord& b) {
+        entries.push_back({b.desc.name, b.bytes});
+    });
+    textures_.each_alive([&](TextureHandle, const TextureRecord& t) {
+        entries.push_back({t.desc.name, t.bytes});
+    });
+    std::ranges::stable_sort(entries, std::ranges::greater{}, &MemoryEntry::bytes);
+    return entries;
+}
+
+std::vector<std::string> ResourceTable::owned() const {
+    std::vector<std::string> words;
+    buffers_.each_alive([&](BufferHandle, const BufferRecord& buffer) {
+        if (!buffer.internal) words.push_back("buffer " + quoted(buffer.desc.name));
+    });
+    textures_.each_alive([&](TextureHandle, const TextureRecord& texture) {
+        words.push_back("texture " + quoted(texture.desc.name));
+    });
+    samplers_.each_alive([&](SamplerHandle, const SamplerRecord&) { words.emplace_back("a sampler"); });
+    pipelines_.each_alive([&](PipelineHandle, const PipelineRecord& pipeline) {
+        words.push_back(fmt::format("a pipeline of program \"{}\"", pipeline.program->name));
+    });
+    return words;
+}
+
+void ResourceTable::release_all() {
+    std::vector<AnyHandle> alive;
+    const auto gather = [&](auto handle, const auto&) { alive.push_back(handle); };
+    buffers_.each_alive(gather);
+    textures_.each_alive(gather);
+    samplers_.each_alive(gather);
+    pipelines_.each_alive(gather);
+    for (const AnyHandle& any : alive) std::visit([&](auto handle) { release(handle, 0); }, any);
+}
+
+}  // namespace lumo::rhi
