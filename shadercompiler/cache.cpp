@@ -107,44 +107,7 @@ void program_fields(Archive&& field, Info& p) {
     field(p.local_size[0]), field(p.local_size[1]), field(p.local_size[2]);
 }
 
-std::optional<CacheKey> hash_of_file(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    if (!file.is_open() || file.bad()) return std::nullopt;
-    return KeyBuilder().add(text).key();
-}
-
-/// Of all that the result depends on and that is known before compiling; the entry itself names the included
-/// files and their contents.
-CacheKey key_of(const ProgramSource& source, const CompileOptions& options) {
-    KeyBuilder key;
-    key.add(revision)
-        .add(std::string_view(glslang::GetGlslVersionString()))
-        .add(spvSoftwareVersionDetailsString());
-    key.add(source.name).add(uint64_t(source.stages.size()));
-    for (const StageSource& stage : source.stages) {
-        key.add(uint64_t(stage.stage)).add(stage.text);
-    }
-    key.add(uint64_t(options.include_roots.size()));
-    for (const fs::path& root : options.include_roots) key.add(root.native());
-    key.add(uint64_t(options.defines.size()));
-    for (const auto& [name, value] : options.defines) key.add(name).add(value);
-    return key.add(uint64_t(options.optimise)).key();
-}
-
-std::vector<std::byte> entry_of(const Compilation& compilation, const CompiledProgram::Code& code) {
-    Writer writer;
-    writer.put(uint64_t(compilation.includes.size()));
-    for (const fs::path& include : compilation.includes) {
-        const CacheKey hash = hash_of_file(include).value_or(CacheKey{});
-        writer.put_text(include.native());
-        writer.put(hash.high);
-        writer.put(hash.low);
-    }
-    const std::vector<std::byte> bytes = to_bytes(code);
-    writer.put_array(std::span<const std::byte>(bytes));
-    return writer.take();
-}
+CacheKey hash_of(std::string_view text) { return KeyBuilder().add(text).key(); }
 
 /// Nothing if an included file is not what it was.
 std::shared_ptr<const CompiledProgram::Code> code_in(std::span<const std::byte> entry) {
@@ -155,7 +118,10 @@ std::shared_ptr<const CompiledProgram::Code> code_in(std::span<const std::byte> 
         reader.get_array(path);
         reader.get(hash.high);
         reader.get(hash.low);
-        if (!reader.ok() || hash_of_file(path) != hash) return nullptr;
+        if (!reader.ok()) return nullptr;
+        std::ifstream file(path, std::ios::binary);
+        const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+        if (!file.is_open() || hash_of(text) != hash) return nullptr;
     }
     std::vector<std::byte> bytes;
     reader.get_array(bytes);
@@ -229,15 +195,43 @@ std::shared_ptr<const CompiledProgram::Code> from_bytes(std::span<const std::byt
     return code;
 }
 
+CacheKey cache_key(const ProgramSource& source, const CompileOptions& options) {
+    KeyBuilder key;
+    key.add(revision)
+        .add(std::string_view(glslang::GetGlslVersionString()))
+        .add(spvSoftwareVersionDetailsString());
+    key.add(source.name).add(uint64_t(source.stages.size()));
+    for (const StageSource& stage : source.stages) key.add(uint64_t(stage.stage)).add(stage.text);
+    key.add(uint64_t(options.include_roots.size()));
+    for (const fs::path& root : options.include_roots) key.add(root.native());
+    key.add(uint64_t(options.defines.size()));
+    for (const auto& [name, value] : options.defines) key.add(name).add(value);
+    return key.add(uint64_t(options.optimise)).key();
+}
+
+std::vector<std::byte> cache_entry(const Compilation& compilation) {
+    Writer writer;
+    writer.put(uint64_t(compilation.includes.size()));
+    for (const IncludedFile& include : compilation.includes) {
+        const CacheKey hash = hash_of(include.text);
+        writer.put_text(include.path.native());
+        writer.put(hash.high);
+        writer.put(hash.low);
+    }
+    const std::vector<std::byte> bytes = to_bytes(compilation.program.code());
+    writer.put_array(std::span<const std::byte>(bytes));
+    return writer.take();
+}
+
 Result<CompiledProgram> compile_program(const ProgramSource& source, const CompileOptions& options,
                                         const rhi::DiskCache& cache) {
-    const CacheKey key = key_of(source, options);
+    const CacheKey key = cache_key(source, options);
     if (const auto entry = cache.get(key)) {
         if (auto code = code_in(*entry)) return CompiledProgram(std::move(code));
     }
     Result<Compilation> compilation = compile_program(source, options);
     if (!compilation) return tl::unexpected(compilation.error());
-    (void)cache.put(key, entry_of(*compilation, compilation->program.code()));
+    (void)cache.put(key, cache_entry(*compilation));
     return std::move(compilation->program);
 }
 

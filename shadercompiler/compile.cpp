@@ -91,7 +91,7 @@ Result<Compilation> compile_program(const ProgramSource& source, const CompileOp
     if (Result<void> checked = check_stages(source); !checked) return tl::unexpected(checked.error());
     Result<FrontEndOutput> front = to_spirv(source, options);
     if (!front) return tl::unexpected(front.error());
-    Result<Reflection> reflection = reflect(source, front->stages);
+    Result<Reflection> reflection = reflect(source, *front);
     if (!reflection) return tl::unexpected(reflection.error());
 
     auto code = std::make_shared<CompiledProgram::Code>();

@@ -49,8 +49,8 @@ struct ProgramSource {
 };
 
 struct CompileOptions {
-    std::vector<std::filesystem::path> include_roots;          ///< searched in this order
-    std::vector<std::pair<std::string, std::string>> defines;  ///< name and value
+    std::vector<std::filesystem::path> include_roots{};          ///< searched in this order
+    std::vector<std::pair<std::string, std::string>> defines{};  ///< name and value
     bool optimise = true;  ///< false keeps the code close to the source; functions are inlined all the same,
                            ///< because Mesa's GLSL refuses image atomics through parameters
 };
@@ -70,11 +70,17 @@ class CompiledProgram {
     std::shared_ptr<const Code> code_;
 };
 
+/// A file that a source includes, as it was when it was read.
+struct IncludedFile {
+    std::filesystem::path path;
+    std::string text;
+};
+
 struct Compilation {
     CompiledProgram program;
-    std::vector<Block> uniform_blocks;            ///< one per uniform buffer, in order of binding
-    Block push;                                   ///< without members where the program has no push block
-    std::vector<std::filesystem::path> includes;  ///< files read besides the stages' own
+    std::vector<Block> uniform_blocks;   ///< one per uniform buffer, in order of binding
+    Block push;                          ///< without members where the program has no push block
+    std::vector<IncludedFile> includes;  ///< in the order in which they were first read
 };
 
 /// Reads the stage files of one program. Its name is their path below `root` without the extension, which

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <deque>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
@@ -46,7 +47,8 @@ std::string prelude(const CompileOptions& options) {
 /// Finds files below the include roots. Each is given out once; later inclusions are empty.
 class Includer : public glslang::TShader::Includer {
   public:
-    Includer(const std::vector<fs::path>& roots, std::vector<fs::path>& read) : roots_(roots), read_(read) {}
+    Includer(const std::vector<fs::path>& roots, std::vector<IncludedFile>& read)
+        : roots_(roots), read_(read) {}
 
     IncludeResult* includeLocal(const char* name, const char*, size_t) override {
         for (const fs::path& root : roots_) {
@@ -55,18 +57,22 @@ class Includer : public glslang::TShader::Includer {
             if (std::ranges::find(seen_, path) != seen_.end()) return answer(path.string(), "");
             std::ifstream file(path, std::ios::binary);
             std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-            if (file.bad()) return answer("", path.string() + ": cannot be read");
+            if (!file.is_open() || file.bad()) return answer("", path.string() + ": cannot be read");
+            if (!text.ends_with('\n')) text += '\n';
             seen_.push_back(path);
-            if (std::ranges::find(read_, path) == read_.end()) read_.push_back(path);
+            if (std::ranges::find(read_, path, &IncludedFile::path) == read_.end())
+                read_.push_back({path, text});
             return answer(path.string(), std::move(text));
         }
-        std::string where;
-        for (const fs::path& root : roots_) where += (where.empty() ? "" : ", ") + root.string();
-        return answer("", fmt::format("\"{}\" is in none of the include roots: {}", name, where));
+        return nullptr;
     }
 
+    /// For <name>, and for "name" where it was not found.
     IncludeResult* includeSystem(const char* name, const char*, size_t) override {
-        return answer("", fmt::format("write #include \"{}\" in place of <{}>", name, name));
+        std::vector<std::string> roots;
+        for (const fs::path& root : roots_) roots.push_back(root.string());
+        return answer("", fmt::format("no \"{}\" in the include roots ({}); <> is not searched", name,
+                                      fmt::join(roots, ", ")));
     }
 
     void releaseInclude(IncludeResult*) override {}  // results live as long as the includer
@@ -79,39 +85,47 @@ class Includer : public glslang::TShader::Includer {
     }
 
     const std::vector<fs::path>& roots_;
-    std::vector<fs::path>& read_;
+    std::vector<IncludedFile>& read_;
     std::vector<fs::path> seen_;
     std::deque<std::string> texts_;
     std::deque<IncludeResult> results_;
 };
 
-/// glslang's log says "ERROR: PATH:LINE: WHAT"; the result says "PATH:LINE: error: WHAT", one line per fault.
+/// Where "PATH:LINE:" at the start of the text ends, before its last colon; npos without it.
+size_t end_of_place(std::string_view text) {
+    for (size_t at = text.find(':'); at != std::string_view::npos; at = text.find(':', at + 1)) {
+        const size_t end = text.find_first_not_of("0123456789", at + 1);
+        if (end != std::string_view::npos && end > at + 1 && text[end] == ':') return end;
+    }
+    return std::string_view::npos;
+}
+
+/// glslang's log says "ERROR: PATH:LINE: WHAT", or without a place but with indented lines of detail. The
+/// result says "PATH:LINE: error: WHAT", one line per fault.
 std::string readable(std::string_view log, const std::string& fallback_path) {
-    constexpr std::string_view tag = "ERROR: ";
-    std::string out;
+    std::vector<std::string> faults;
+    bool in_fault = false;
     while (!log.empty()) {
         const size_t end = std::min(log.find('\n'), log.size());
         std::string_view line = log.substr(0, end);
         log.remove_prefix(std::min(end + 1, log.size()));
-        if (!line.starts_with(tag)) continue;
+        while (line.ends_with(' ')) line.remove_suffix(1);
+        if (line.starts_with(' ') && in_fault) {
+            faults.back() += line.substr(line.find_first_not_of(' ') - 1);
+            continue;
+        }
+        constexpr std::string_view tag = "ERROR: ";
+        in_fault = line.starts_with(tag) && line.find("compilation errors") == std::string_view::npos &&
+                   line.find("compilation terminated") == std::string_view::npos;
+        if (!in_fault) continue;
         line.remove_prefix(tag.size());
-        if (line.find("compilation errors") != std::string_view::npos) continue;
-        if (!out.empty()) out += '\n';
-        size_t colon = std::string_view::npos;
-        for (size_t at = line.find(':'); at != std::string_view::npos; at = line.find(':', at + 1)) {
-            const size_t digits_end = line.find_first_not_of("0123456789", at + 1);
-            if (digits_end != std::string_view::npos && digits_end > at + 1 && line[digits_end] == ':') {
-                colon = digits_end;
-                break;
-            }
-        }
-        if (colon == std::string_view::npos) {
-            out += fmt::format("{}: error: {}", fallback_path, line);
-        } else {
-            out += fmt::format("{}: error:{}", line.substr(0, colon), line.substr(colon + 1));
-        }
+        const size_t place = end_of_place(line);
+        faults.push_back(place == std::string_view::npos
+                             ? fmt::format("{}: error: {}", fallback_path, line)
+                             : fmt::format("{}: error:{}", line.substr(0, place), line.substr(place + 1)));
     }
-    return out.empty() ? fallback_path + ": error: the compiler failed without a message" : out;
+    if (faults.empty()) return fallback_path + ": error: the compiler failed without a message";
+    return fmt::format("{}", fmt::join(faults, "\n"));
 }
 
 struct GlslangProcess {

@@ -14,7 +14,7 @@ using Words = std::vector<uint32_t>;
 struct FrontEndOutput {
     std::vector<Words>
         stages;  ///< in the order of the source's stages; not optimised: names and unused bindings are in
-    std::vector<std::filesystem::path> includes;  ///< in the order in which they were first read
+    std::vector<IncludedFile> includes;  ///< in the order in which they were first read
 };
 
 /// Parses all stages and checks that their interfaces fit. Errors: see compile_program.

@@ -72,7 +72,7 @@ Result<void> run(const Arguments& arguments) {
     if (Result<void> written = write_text(cpp, generated->source); !written) return written;
     if (arguments.depfile.empty()) return {};
     std::vector<fs::path> dependencies = arguments.files;
-    dependencies.insert(dependencies.end(), compilation->includes.begin(), compilation->includes.end());
+    for (const IncludedFile& include : compilation->includes) dependencies.push_back(include.path);
     return write_text(arguments.depfile, depfile_text(cpp, dependencies));
 }
 

@@ -45,4 +45,9 @@ struct CompiledProgram::Code {
 std::vector<std::byte> to_bytes(const CompiledProgram::Code& code);
 std::shared_ptr<const CompiledProgram::Code> from_bytes(std::span<const std::byte> bytes);
 
+/// Of all that a compilation depends on and that is known before it. What was included, and its contents, is
+/// in the entry.
+rhi::CacheKey cache_key(const ProgramSource& source, const CompileOptions& options);
+std::vector<std::byte> cache_entry(const Compilation& compilation);
+
 }  // namespace lumo::shadercompiler

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glslang/SPIRV/doc.h>
@@ -122,10 +123,35 @@ std::optional<TexelKind> texel_of(SPIRType::BaseType type) {
     }
 }
 
+bool has_word(std::string_view line, std::string_view word) {
+    const auto in_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+    for (size_t at = line.find(word); at != std::string_view::npos; at = line.find(word, at + 1)) {
+        const size_t end = at + word.size();
+        if ((at == 0 || !in_word(line[at - 1])) && (end == line.size() || !in_word(line[end]))) return true;
+    }
+    return false;
+}
+
+/// The number of the first line that has the name beside a word that declares.
+std::optional<int> declaring_line(std::string_view text, std::string_view name) {
+    for (int number = 1; !text.empty(); ++number) {
+        const size_t end = std::min(text.find('\n'), text.size());
+        const std::string_view line = text.substr(0, std::min(end, text.find("//")));
+        text.remove_prefix(std::min(end + 1, text.size()));
+        if (!name.empty() && has_word(line, name) &&
+            (has_word(line, "uniform") || has_word(line, "buffer") || has_word(line, "constant_id") ||
+             has_word(line, "in"))) {
+            return number;
+        }
+    }
+    return std::nullopt;
+}
+
 /// What one stage declares under one binding number.
 struct Declaration {
     std::string name;
     std::string block_name;  // of buffers
+    std::string where;       // for messages
     BindingKind kind{};
     Dimension dimension{};
     TexelKind texel{};
@@ -156,10 +182,11 @@ struct Option {
 /// Gathers the stages of one program, and every rule that they break.
 class Reflector {
   public:
-    explicit Reflector(const ProgramSource& source) : source_(source) {}
+    Reflector(const ProgramSource& source, const std::vector<IncludedFile>& includes)
+        : source_(source), includes_(includes) {}
 
     void add_stage(const StageSource& stage, const Words& spirv) {
-        path_ = stage.path.string();
+        stage_ = &stage;
         const ModuleUses uses = find_uses(spirv);
         check_module(uses);
 
@@ -182,17 +209,18 @@ class Reflector {
         add_all(resources.storage_buffers, BindingKind::storage_buffer);
         add_all(resources.uniform_buffers, BindingKind::uniform_buffer);
         for (const Resource& r : resources.separate_images)
-            fault("'{}': textures need a combined sampler", r.name);
+            fault_at(declaration_of(r.name), "'{}': textures need a combined sampler", r.name);
         for (const Resource& r : resources.separate_samplers)
-            fault("'{}': samplers need to be combined", r.name);
+            fault_at(declaration_of(r.name), "'{}': samplers need to be combined", r.name);
         for (const Resource& r : resources.subpass_inputs) fault("'{}': there are no subpass inputs", r.name);
 
         for (const Resource& resource : resources.push_constant_buffers) add_push(compiler, resource);
         add_options(compiler);
         if (stage.stage == Stages::vertex) {
             for (const Resource& r : resources.stage_inputs) {
-                fault("'{}': there are no vertex attributes; read a storage buffer at gl_VertexIndex",
-                      r.name);
+                fault_at(declaration_of(r.name),
+                         "'{}': there are no vertex attributes; read a storage buffer at gl_VertexIndex",
+                         r.name);
             }
         }
         if (stage.stage == Stages::fragment) {
@@ -204,7 +232,7 @@ class Reflector {
     }
 
     Result<Reflection> finish() {
-        path_ = source_.name;
+        stage_ = nullptr;
         uint32_t slots[4] = {};
         slots[size_t(BindingKind::uniform_buffer)] = rhi::gl_push_slot + 1;
         std::map<std::string, uint32_t> names;
@@ -212,7 +240,9 @@ class Reflector {
         for (const auto& [binding, declaration] : declarations_) {
             const auto claim = [&, number = binding](auto& taken, const std::string& name) {
                 const auto [it, fresh] = taken.emplace(name, number);
-                if (!fresh) fault("'{}' names both binding {} and binding {}", name, it->second, number);
+                if (!fresh)
+                    fault_at(declaration.where, "'{}' names both binding {} and binding {}", name, it->second,
+                             number);
             };
             claim(names, declaration.name);
             if (!declaration.block_name.empty()) claim(block_names, declaration.block_name);
@@ -248,9 +278,30 @@ class Reflector {
     }
 
   private:
+    /// "path:line" of the line that declares `name`, as far as a look at the text can tell: the path
+    /// otherwise.
+    std::string declaration_of(std::string_view name) const {
+        if (!stage_) return source_.name;
+        if (const auto line = declaring_line(stage_->text, name)) {
+            return fmt::format("{}:{}", stage_->path.string(), *line);
+        }
+        for (const IncludedFile& include : includes_) {
+            if (const auto line = declaring_line(include.text, name)) {
+                return fmt::format("{}:{}", include.path.string(), *line);
+            }
+        }
+        return stage_->path.string();
+    }
+
+    template <class... Args>
+    void fault_at(const std::string& where, fmt::format_string<Args...> format, Args&&... args) {
+        faults_.push_back(where + ": error: " + fmt::format(format, std::forward<Args>(args)...));
+    }
+
+    /// About the stage that is being added, or about the program.
     template <class... Args>
     void fault(fmt::format_string<Args...> format, Args&&... args) {
-        faults_.push_back(path_ + ": error: " + fmt::format(format, std::forward<Args>(args)...));
+        fault_at(stage_ ? stage_->path.string() : source_.name, format, std::forward<Args>(args)...);
     }
 
     void check_module(const ModuleUses& uses) {
@@ -275,17 +326,20 @@ class Reflector {
             if (declaration.name.empty()) declaration.name = declaration.block_name;
         }
         const std::string& name = declaration.name;
+        declaration.where = declaration_of(is_image ? name : declaration.block_name);
         if (!type.array.empty())
-            return fault("'{}': there are no arrays of samplers, images or blocks", name);
+            return fault_at(declaration.where, "'{}': there are no arrays of samplers, images or blocks",
+                            name);
         if (compiler.get_decoration(resource.id, spv::DecorationDescriptorSet) != 0) {
-            return fault("'{}': there is only set 0", name);
+            return fault_at(declaration.where, "'{}': there is only set 0", name);
         }
         if (!compiler.has_decoration(resource.id, spv::DecorationBinding)) {
-            return fault("'{}': write layout(binding = N)", name);
+            return fault_at(declaration.where, "'{}': write layout(binding = N)", name);
         }
         const uint32_t binding = compiler.get_decoration(resource.id, spv::DecorationBinding);
         if (binding >= rhi::max_bindings) {
-            return fault("'{}': binding {} is not below {}", name, binding, rhi::max_bindings);
+            return fault_at(declaration.where, "'{}': binding {} is not below {}", name, binding,
+                            rhi::max_bindings);
         }
 
         spirv_cross::Bitset qualifiers = compiler.get_decoration_bitset(resource.id);
@@ -299,19 +353,22 @@ class Reflector {
         if (is_image) {
             const auto dimension = dimension_of(type.image);
             const auto texel = texel_of(compiler.get_type(type.image.type).basetype);
-            if (!dimension || !texel) return fault("'{}': there are no views of this type", name);
+            if (!dimension || !texel)
+                return fault_at(declaration.where, "'{}': there are no views of this type", name);
             declaration.dimension = *dimension;
             declaration.texel = *texel;
         }
         if (declaration.kind == BindingKind::storage_image) {
             const auto format = format_of(type.image.format);
-            if (!format) return fault("'{}': this image format is not among rhi::Format", name);
+            if (!format)
+                return fault_at(declaration.where, "'{}': this image format is not among rhi::Format", name);
             declaration.format = *format;
             if (*format == Format::undefined && !declaration.writeonly) {
-                return fault("'{}': declare the image's format, or make it writeonly", name);
+                return fault_at(declaration.where, "'{}': declare the image's format, or make it writeonly",
+                                name);
             }
             if (declaration.dimension == Dimension::d2_multisample) {
-                return fault("'{}': there are no multisampled storage images", name);
+                return fault_at(declaration.where, "'{}': there are no multisampled storage images", name);
             }
         } else if (!is_image) {
             declaration.min_size = uint32_t(compiler.get_declared_struct_size(type));
@@ -320,7 +377,8 @@ class Reflector {
             declaration.block = block_of(compiler, type, declaration.block_name);
             declaration.min_size = declaration.block.size;
             if (const std::string member = first_member_off_std140(declaration.block); !member.empty()) {
-                return fault("'{}': member {} is not where std140 puts it", name, member);
+                return fault_at(declaration.where, "'{}': member {} is not where std140 puts it", name,
+                                member);
             }
         }
         merge(binding, std::move(declaration));
@@ -331,8 +389,9 @@ class Reflector {
         if (fresh) return;
         Declaration& known = it->second;
         if (!known.same_resource(declaration)) {
-            return fault("binding {}: '{}' here and '{}' elsewhere are not declared alike", binding,
-                         declaration.name, known.name);
+            return fault_at(declaration.where,
+                            "binding {}: '{}' here and '{}' elsewhere are not declared alike", binding,
+                            declaration.name, known.name);
         }
         known.stages |= declaration.stages;
         known.uses.atomic |= declaration.uses.atomic;
@@ -347,7 +406,8 @@ class Reflector {
         if (d.writeonly) return ShaderAccess::write;
         if (d.read_write) return ShaderAccess::read_write;
         if (!d.uses.atomic || d.uses.plain) {
-            fault(
+            fault_at(
+                d.where,
                 "'{}': declare it readonly, writeonly or LUMO_READ_WRITE (without them, only commutative "
                 "atomics "
                 "may use it)",
@@ -426,19 +486,20 @@ class Reflector {
         Block block = block_of(compiler, type, compiler.get_name(resource.base_type_id));
         block.size = uint32_t((compiler.get_declared_struct_size(type) + 3) / 4 * 4);
         if (const std::string member = first_member_off_std140(block); !member.empty()) {
-            return fault(
+            return fault_at(
+                declaration_of(block.name),
                 "push constants: {} is elsewhere under std140, which OpenGL needs (arrays want 16-byte "
                 "elements, structs 16-byte alignment)",
                 member);
         }
         if (block.size > rhi::max_push_size) {
-            return fault("push constants take {} bytes; at most {} are there", block.size,
-                         rhi::max_push_size);
+            return fault_at(declaration_of(block.name), "push constants take {} bytes; at most {} are there",
+                            block.size, rhi::max_push_size);
         }
         if (reflection_.push.members.empty()) {
             reflection_.push = std::move(block);
         } else if (reflection_.push != block) {
-            fault("push constants: the stages do not declare the same block");
+            fault_at(declaration_of(block.name), "push constants: the stages do not declare the same block");
         }
     }
 
@@ -461,14 +522,16 @@ class Reflector {
                     option.type = rhi::OptionType::floating;
                     break;
                 default:
-                    fault("constant_id {}: only bool, int, uint and float", constant.constant_id);
+                    fault_at(declaration_of(option.name), "constant_id {}: only bool, int, uint and float",
+                             constant.constant_id);
                     continue;
             }
             if (option.name.empty()) continue;  // of a group size, which is refused on its own
             const auto [it, fresh] = options_.try_emplace(constant.constant_id, option);
             if (!fresh && it->second != option) {
-                fault("constant_id {}: '{}' here and '{}' elsewhere are not declared alike",
-                      constant.constant_id, option.name, it->second.name);
+                fault_at(declaration_of(option.name),
+                         "constant_id {}: '{}' here and '{}' elsewhere are not declared alike",
+                         constant.constant_id, option.name, it->second.name);
             }
         }
     }
@@ -486,7 +549,8 @@ class Reflector {
     }
 
     const ProgramSource& source_;
-    std::string path_;
+    const std::vector<IncludedFile>& includes_;
+    const StageSource* stage_ = nullptr;  // the one that is being added
     std::vector<std::string> faults_;
     std::map<uint32_t, Declaration> declarations_;
     std::map<uint32_t, Option> options_;
@@ -495,10 +559,11 @@ class Reflector {
 
 }  // namespace
 
-Result<Reflection> reflect(const ProgramSource& source, std::span<const Words> spirv) {
+Result<Reflection> reflect(const ProgramSource& source, const FrontEndOutput& front) {
     try {
-        Reflector reflector(source);
-        for (size_t i = 0; i < spirv.size(); ++i) reflector.add_stage(source.stages[i], spirv[i]);
+        Reflector reflector(source, front.includes);
+        for (size_t i = 0; i < source.stages.size(); ++i)
+            reflector.add_stage(source.stages[i], front.stages[i]);
         return reflector.finish();
     } catch (const spirv_cross::CompilerError& error) {
         return fail(ErrorKind::shader, source.name, std::string("reflection failed: ") + error.what());

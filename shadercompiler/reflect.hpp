@@ -27,7 +27,7 @@ struct Reflection {
     uint32_t color_outputs = 0;
 };
 
-/// `spirv` holds the stages of `source`, not optimised. Error: shader, with one line per broken rule.
-Result<Reflection> reflect(const ProgramSource& source, std::span<const Words> spirv);
+/// `front` is what became of `source`. Error: shader, with one line per broken rule.
+Result<Reflection> reflect(const ProgramSource& source, const FrontEndOutput& front);
 
 }  // namespace lumo::shadercompiler

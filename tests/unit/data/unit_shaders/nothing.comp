@@ -1,0 +1,4 @@
+// Neither bindings nor push constants nor options.
+layout(local_size_x = 1) in;
+
+void main() {}

@@ -1,0 +1,5 @@
+layout(push_constant) uniform Push {
+    vec2 offset;
+    uint layer;
+}
+push;
