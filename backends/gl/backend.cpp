@@ -33,6 +33,11 @@ GLenum gl_access(rhi::ShaderAccess access) {
     return access == rhi::ShaderAccess::write ? GL_WRITE_ONLY : GL_READ_WRITE;
 }
 
+GLenum gl_topology(rhi::Topology topology) {
+    static constexpr GLenum topologies[] = {GL_TRIANGLES, GL_TRIANGLE_STRIP, GL_LINES, GL_POINTS};
+    return topologies[size_t(topology)];
+}
+
 GLenum gl_index_type(rhi::IndexType type) {
     return type == rhi::IndexType::uint16 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT;
 }

@@ -167,43 +167,14 @@ void set_fixed_state() {
 }
 
 rhi::Severity severity_of(GLenum type, GLenum severity) {
-    switch (type) {
-        case GL_DEBUG_TYPE_ERROR:
-            return rhi::Severity::error;
-        case GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR:
-            return rhi::Severity::undefined;
-        case GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR:
-            return rhi::Severity::deprecated;
-        case GL_DEBUG_TYPE_PORTABILITY:
-            return rhi::Severity::portability;
-        case GL_DEBUG_TYPE_PERFORMANCE:
-            return rhi::Severity::performance;
-        default:
-            break;
-    }
-    switch (severity) {
-        case GL_DEBUG_SEVERITY_HIGH:
-            return rhi::Severity::high;
-        case GL_DEBUG_SEVERITY_MEDIUM:
-            return rhi::Severity::medium;
-        case GL_DEBUG_SEVERITY_LOW:
-            return rhi::Severity::low;
-        default:
-            return rhi::Severity::notification;
-    }
-}
-
-std::string_view source_name(GLenum source) {
-    switch (source) {
-        case GL_DEBUG_SOURCE_API:
-            return "api";
-        case GL_DEBUG_SOURCE_SHADER_COMPILER:
-            return "shader";
-        case GL_DEBUG_SOURCE_WINDOW_SYSTEM:
-            return "window";
-        default:
-            return "other";
-    }
+    if (type == GL_DEBUG_TYPE_ERROR) return rhi::Severity::error;
+    if (type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) return rhi::Severity::undefined;
+    if (type == GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR) return rhi::Severity::deprecated;
+    if (type == GL_DEBUG_TYPE_PORTABILITY) return rhi::Severity::portability;
+    if (type == GL_DEBUG_TYPE_PERFORMANCE) return rhi::Severity::performance;
+    if (severity == GL_DEBUG_SEVERITY_HIGH) return rhi::Severity::high;
+    if (severity == GL_DEBUG_SEVERITY_MEDIUM) return rhi::Severity::medium;
+    return severity == GL_DEBUG_SEVERITY_LOW ? rhi::Severity::low : rhi::Severity::notification;
 }
 
 void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
@@ -211,7 +182,7 @@ void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severit
     std::string_view what = length < 0 ? std::string_view(text) : std::string_view(text, size_t(length));
     while (!what.empty() && (what.back() == '\n' || what.back() == '\0')) what.remove_suffix(1);
     rhi::Message message{.severity = severity_of(type, severity),
-                         .id = fmt::format("gl.{}.{}", source_name(source), id),
+                         .id = fmt::format("gl.{}.{}", source == GL_DEBUG_SOURCE_API ? "api" : "driver", id),
                          .text = std::string(what)};
     (*static_cast<const rhi::MessageSink*>(sink))(message);
 }
@@ -264,6 +235,9 @@ void Context::report_to(rhi::MessageSink sink) {
     for (GLenum own : {GL_DEBUG_TYPE_PUSH_GROUP, GL_DEBUG_TYPE_POP_GROUP, GL_DEBUG_TYPE_MARKER}) {
         glDebugMessageControl(GL_DONT_CARE, own, GL_DONT_CARE, 0, nullptr, GL_FALSE);
     }
+    // A shader that does not compile is an error value, with this message in it.
+    glDebugMessageControl(GL_DEBUG_SOURCE_SHADER_COMPILER, GL_DEBUG_TYPE_ERROR, GL_DONT_CARE, 0, nullptr,
+                          GL_FALSE);
     glDebugMessageCallback(on_message, &sink_);
 }
 

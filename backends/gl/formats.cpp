@@ -8,6 +8,8 @@ using rhi::Dimension;
 using rhi::Format;
 using rhi::FormatCaps;
 
+// Tables are in the order of their enumerations.
+
 const GlFormat& gl_format(Format format) {
     static constexpr std::array<GlFormat, rhi::format_count> table{{
         {},
@@ -76,25 +78,15 @@ FormatCaps query_caps(Format format) {
 }
 
 GLenum gl_target(Dimension dimension) {
-    switch (dimension) {
-        case Dimension::d1:
-            return GL_TEXTURE_1D;
-        case Dimension::d2:
-            return GL_TEXTURE_2D;
-        case Dimension::d3:
-            return GL_TEXTURE_3D;
-        case Dimension::cube:
-            return GL_TEXTURE_CUBE_MAP;
-        case Dimension::d1_array:
-            return GL_TEXTURE_1D_ARRAY;
-        case Dimension::d2_array:
-            return GL_TEXTURE_2D_ARRAY;
-        case Dimension::cube_array:
-            return GL_TEXTURE_CUBE_MAP_ARRAY;
-        case Dimension::d2_multisample:
-            return GL_TEXTURE_2D_MULTISAMPLE;
-    }
-    return GL_NONE;
+    static constexpr GLenum targets[] = {GL_TEXTURE_1D,
+                                         GL_TEXTURE_2D,
+                                         GL_TEXTURE_3D,
+                                         GL_TEXTURE_CUBE_MAP,
+                                         GL_TEXTURE_1D_ARRAY,
+                                         GL_TEXTURE_2D_ARRAY,
+                                         GL_TEXTURE_CUBE_MAP_ARRAY,
+                                         GL_TEXTURE_2D_MULTISAMPLE};
+    return targets[size_t(dimension)];
 }
 
 Box gl_box(Dimension dimension, const rhi::TextureRegion& region) {
@@ -109,78 +101,6 @@ Box gl_box(Dimension dimension, const rhi::TextureRegion& region) {
         box.depth = GLsizei(region.layers);
     }
     return box;
-}
-
-GLenum gl_topology(rhi::Topology topology) {
-    switch (topology) {
-        case rhi::Topology::triangles:
-            return GL_TRIANGLES;
-        case rhi::Topology::triangle_strip:
-            return GL_TRIANGLE_STRIP;
-        case rhi::Topology::lines:
-            return GL_LINES;
-        case rhi::Topology::points:
-            return GL_POINTS;
-    }
-    return GL_NONE;
-}
-
-GLenum gl_compare(rhi::Compare compare) {
-    switch (compare) {
-        case rhi::Compare::never:
-            return GL_NEVER;
-        case rhi::Compare::less:
-            return GL_LESS;
-        case rhi::Compare::equal:
-            return GL_EQUAL;
-        case rhi::Compare::less_equal:
-            return GL_LEQUAL;
-        case rhi::Compare::greater:
-            return GL_GREATER;
-        case rhi::Compare::not_equal:
-            return GL_NOTEQUAL;
-        case rhi::Compare::greater_equal:
-            return GL_GEQUAL;
-        case rhi::Compare::always:
-            return GL_ALWAYS;
-    }
-    return GL_NONE;
-}
-
-GLenum gl_blend_factor(rhi::BlendFactor factor) {
-    switch (factor) {
-        case rhi::BlendFactor::zero:
-            return GL_ZERO;
-        case rhi::BlendFactor::one:
-            return GL_ONE;
-        case rhi::BlendFactor::source_alpha:
-            return GL_SRC_ALPHA;
-        case rhi::BlendFactor::one_minus_source_alpha:
-            return GL_ONE_MINUS_SRC_ALPHA;
-        case rhi::BlendFactor::destination_alpha:
-            return GL_DST_ALPHA;
-        case rhi::BlendFactor::one_minus_destination_alpha:
-            return GL_ONE_MINUS_DST_ALPHA;
-        case rhi::BlendFactor::source_color:
-            return GL_SRC_COLOR;
-        case rhi::BlendFactor::destination_color:
-            return GL_DST_COLOR;
-    }
-    return GL_NONE;
-}
-
-GLenum gl_blend_op(rhi::BlendOp op) {
-    switch (op) {
-        case rhi::BlendOp::add:
-            return GL_FUNC_ADD;
-        case rhi::BlendOp::subtract:
-            return GL_FUNC_SUBTRACT;
-        case rhi::BlendOp::minimum:
-            return GL_MIN;
-        case rhi::BlendOp::maximum:
-            return GL_MAX;
-    }
-    return GL_NONE;
 }
 
 }  // namespace lumo::backends::gl

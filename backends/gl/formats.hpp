@@ -1,9 +1,8 @@
-// OpenGL's names for the RHI's formats and enumerations.
+// OpenGL's names for formats and shapes of textures.
 #pragma once
 
 #include <epoxy/gl.h>
 
-#include "rhi/resources.hpp"
 #include "rhi/work.hpp"
 
 namespace lumo::backends::gl {
@@ -33,10 +32,5 @@ struct Box {
     GLsizei width, height, depth;
 };
 Box gl_box(rhi::Dimension dimension, const rhi::TextureRegion& region);
-
-GLenum gl_topology(rhi::Topology topology);
-GLenum gl_compare(rhi::Compare compare);
-GLenum gl_blend_factor(rhi::BlendFactor factor);
-GLenum gl_blend_op(rhi::BlendOp op);
 
 }  // namespace lumo::backends::gl

@@ -9,30 +9,16 @@
 namespace lumo::backends::gl {
 namespace {
 
-GLenum gl_stage(rhi::Stages stage) {
-    switch (stage) {
-        case rhi::Stages::vertex:
-            return GL_VERTEX_SHADER;
-        case rhi::Stages::geometry:
-            return GL_GEOMETRY_SHADER;
-        case rhi::Stages::fragment:
-            return GL_FRAGMENT_SHADER;
-        default:
-            return GL_COMPUTE_SHADER;
-    }
-}
+struct GlStage {
+    GLenum kind;
+    std::string_view name;
+};
 
-std::string_view stage_name(rhi::Stages stage) {
-    switch (stage) {
-        case rhi::Stages::vertex:
-            return "vertex";
-        case rhi::Stages::geometry:
-            return "geometry";
-        case rhi::Stages::fragment:
-            return "fragment";
-        default:
-            return "compute";
-    }
+GlStage gl_stage(rhi::Stages stage) {
+    if (stage == rhi::Stages::vertex) return {GL_VERTEX_SHADER, "vertex"};
+    if (stage == rhi::Stages::geometry) return {GL_GEOMETRY_SHADER, "geometry"};
+    if (stage == rhi::Stages::fragment) return {GL_FRAGMENT_SHADER, "fragment"};
+    return {GL_COMPUTE_SHADER, "compute"};
 }
 
 /// A constant expression with exactly these bits, whatever they mean.
@@ -67,6 +53,7 @@ std::string read_log(GLuint name, GetNumber get_number, GetLog get_log) {
     std::string log(size_t(length), '\0');
     if (length > 0) get_log(name, length, &length, log.data());
     log.resize(size_t(length));
+    log.erase(log.find_last_not_of("\n ") + 1);
     return log;
 }
 
@@ -76,7 +63,8 @@ Result<void> attach_stage(GLuint program, const rhi::ProgramInfo& info, const rh
     const GLchar* texts[] = {stage.glsl.data(), macros.data(), stage.glsl.data() + after_version};
     const GLint lengths[] = {GLint(after_version), GLint(macros.size()),
                              GLint(stage.glsl.size() - after_version)};
-    const GLuint shader = glCreateShader(gl_stage(stage.stage));
+    const GlStage kind = gl_stage(stage.stage);
+    const GLuint shader = glCreateShader(kind.kind);
     glShaderSource(shader, 3, texts, lengths);
     glCompileShader(shader);
     glAttachShader(program, shader);
@@ -85,7 +73,7 @@ Result<void> attach_stage(GLuint program, const rhi::ProgramInfo& info, const rh
     glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
     if (compiled) return {};
     return fail(ErrorKind::shader, std::string(info.name),
-                fmt::format("the {} stage does not compile: {}", stage_name(stage.stage),
+                fmt::format("the {} stage does not compile: {}", kind.name,
                             read_log(shader, glGetShaderiv, glGetShaderInfoLog)));
 }
 

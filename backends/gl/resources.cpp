@@ -9,29 +9,17 @@ namespace {
 
 using rhi::Dimension;
 
-GLenum gl_filter(rhi::FilterMode filter) {
-    return filter == rhi::FilterMode::linear ? GL_LINEAR : GL_NEAREST;
+GLint gl_filter(rhi::FilterMode filter) { return filter == rhi::FilterMode::linear ? GL_LINEAR : GL_NEAREST; }
+
+GLint gl_filter(rhi::FilterMode filter, rhi::FilterMode mip) {
+    static constexpr GLint filters[2][2] = {{GL_NEAREST_MIPMAP_NEAREST, GL_NEAREST_MIPMAP_LINEAR},
+                                            {GL_LINEAR_MIPMAP_NEAREST, GL_LINEAR_MIPMAP_LINEAR}};
+    return filters[size_t(filter)][size_t(mip)];
 }
 
-GLenum gl_filter(rhi::FilterMode filter, rhi::FilterMode mip) {
-    if (mip == rhi::FilterMode::linear) {
-        return filter == rhi::FilterMode::linear ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
-    }
-    return filter == rhi::FilterMode::linear ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
-}
-
-GLenum gl_address(rhi::AddressMode mode) {
-    switch (mode) {
-        case rhi::AddressMode::repeat:
-            return GL_REPEAT;
-        case rhi::AddressMode::mirrored_repeat:
-            return GL_MIRRORED_REPEAT;
-        case rhi::AddressMode::clamp_to_edge:
-            return GL_CLAMP_TO_EDGE;
-        case rhi::AddressMode::clamp_to_border:
-            return GL_CLAMP_TO_BORDER;
-    }
-    return GL_NONE;
+GLint gl_address(rhi::AddressMode mode) {
+    static constexpr GLint modes[] = {GL_REPEAT, GL_MIRRORED_REPEAT, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_BORDER};
+    return modes[size_t(mode)];
 }
 
 /// Bytes of all mips, layers and samples; OpenGL does not tell what the driver takes.
@@ -150,11 +138,11 @@ Result<void> Resources::create(rhi::SamplerHandle handle, const rhi::SamplerDesc
     static constexpr GLfloat borders[][4] = {{0, 0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1, 1}};
     GLuint name = 0;
     glCreateSamplers(1, &name);
-    glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, GLint(gl_filter(desc.magnification)));
-    glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GLint(gl_filter(desc.minification, desc.mip)));
-    glSamplerParameteri(name, GL_TEXTURE_WRAP_S, GLint(gl_address(desc.address_u)));
-    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GLint(gl_address(desc.address_v)));
-    glSamplerParameteri(name, GL_TEXTURE_WRAP_R, GLint(gl_address(desc.address_w)));
+    glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, gl_filter(desc.magnification));
+    glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, gl_filter(desc.minification, desc.mip));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_S, gl_address(desc.address_u));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_T, gl_address(desc.address_v));
+    glSamplerParameteri(name, GL_TEXTURE_WRAP_R, gl_address(desc.address_w));
     glSamplerParameterfv(name, GL_TEXTURE_BORDER_COLOR, borders[size_t(desc.border)]);
     glSamplerParameterf(name, GL_TEXTURE_MIN_LOD, desc.min_lod);
     glSamplerParameterf(name, GL_TEXTURE_MAX_LOD, desc.max_lod);

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "backends/gl/formats.hpp"
-
 namespace lumo::backends::gl {
 namespace {
 
@@ -13,6 +11,26 @@ bool changes(std::optional<T>& known, const T& value) {
     if (known == value) return false;
     known = value;
     return true;
+}
+
+// Tables are in the order of their enumerations.
+
+GLenum gl_compare(rhi::Compare compare) {
+    static constexpr GLenum compares[] = {GL_NEVER,   GL_LESS,     GL_EQUAL,  GL_LEQUAL,
+                                          GL_GREATER, GL_NOTEQUAL, GL_GEQUAL, GL_ALWAYS};
+    return compares[size_t(compare)];
+}
+
+GLenum gl_factor(rhi::BlendFactor factor) {
+    static constexpr GLenum factors[] = {
+        GL_ZERO,      GL_ONE,      GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_DST_ALPHA, GL_ONE_MINUS_DST_ALPHA,
+        GL_SRC_COLOR, GL_DST_COLOR};
+    return factors[size_t(factor)];
+}
+
+GLenum gl_blend_op(rhi::BlendOp op) {
+    static constexpr GLenum ops[] = {GL_FUNC_ADD, GL_FUNC_SUBTRACT, GL_MIN, GL_MAX};
+    return ops[size_t(op)];
 }
 
 void enable(GLenum what, bool on) { on ? glEnable(what) : glDisable(what); }
@@ -26,9 +44,8 @@ void apply_color(GLuint target, const rhi::ColorTargetState& state) {
     }
     const rhi::BlendState& blend = *state.blend;
     glEnablei(GL_BLEND, target);
-    glBlendFuncSeparatei(target, gl_blend_factor(blend.source_color),
-                         gl_blend_factor(blend.destination_color), gl_blend_factor(blend.source_alpha),
-                         gl_blend_factor(blend.destination_alpha));
+    glBlendFuncSeparatei(target, gl_factor(blend.source_color), gl_factor(blend.destination_color),
+                         gl_factor(blend.source_alpha), gl_factor(blend.destination_alpha));
     glBlendEquationSeparatei(target, gl_blend_op(blend.color_op), gl_blend_op(blend.alpha_op));
 }
 
