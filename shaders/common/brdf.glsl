@@ -2,7 +2,7 @@
 // 2013). Diffuse: Burley, Physically-Based Shading at Disney, 2012. Directions are unit vectors away from the
 // surface; roughness is perceptual, alpha = roughness². BRDFs are in 1/sr, without the cosine.
 
-const float pi = 3.14159265358979;
+#include "common/constants.glsl"
 
 // Below it the highlight of a point-like light is narrower than float and pixels resolve.
 const float min_roughness = 0.045;

@@ -6,7 +6,6 @@ layout(std140, binding = CAMERA) uniform Camera {
     mat4 world_from_clip;
     vec4 eye;           // homogeneous: the position and 1, or the direction to an orthographic camera and 0
     vec2 inverse_size;  // 1 / pixels
-    vec2 padding;
 } camera;
 
 // The world position seen at `pixel` (centres are at .5) with `depth` in [0, 1].
