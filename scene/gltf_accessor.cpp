@@ -223,6 +223,38 @@ Result<void> check_accessors(Document& document, const Limits& limits) {
     return {};
 }
 
+void check_values(Document& document, const Bytes& bytes) {
+    uint64_t left = uint64_t(1) << 26;
+    for (int i = 0; i < int(document.model.accessors.size()); ++i) {
+        const tinygltf::Accessor& accessor = document.model.accessors[size_t(i)];
+        const Layout layout = layout_of(accessor);
+        const uint32_t components = layout.components();
+        const uint64_t total = accessor.count * components;
+        if (total > left) return;
+        left -= total;
+        for (const auto* bounds : {&accessor.minValues, &accessor.maxValues})
+            if (!bounds->empty() && bounds->size() != components)
+                document.warnings.add(fmt::format("{} has elements of {} numbers, but a bound of {}",
+                                                  name_of(document, i), components, bounds->size()));
+        const bool is_bounded =
+            accessor.minValues.size() == components && accessor.maxValues.size() == components;
+        bool is_inside = true, is_finite = true;
+        const auto read = for_each_element(document, bytes, i, [&](uint64_t, const std::byte* from) {
+            for (uint32_t c = 0; c < components; ++c) {
+                const float value = load_float(from + layout.offset(c), accessor.componentType, false);
+                is_finite &= std::isfinite(value);
+                // Bounds have often been rounded on their way through text.
+                is_inside &=
+                    !is_bounded || (value >= float(accessor.minValues[c]) - 1e-6f * std::abs(value) &&
+                                    value <= float(accessor.maxValues[c]) + 1e-6f * std::abs(value));
+            }
+        });
+        if (!read) document.warnings.add(read.error().message);
+        if (!is_finite) document.warnings.add(name_of(document, i) + " has numbers that are not finite");
+        if (!is_inside) document.warnings.add(name_of(document, i) + " has elements outside its min and max");
+    }
+}
+
 uint32_t component_count(const tinygltf::Accessor& accessor) { return layout_of(accessor).components(); }
 
 Result<std::vector<float>> read_floats(const Document& document, const Bytes& bytes, int index) {

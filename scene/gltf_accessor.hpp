@@ -16,6 +16,10 @@ namespace lumo::scene::gltf {
 /// warning.
 Result<void> check_accessors(Document& document, const Limits& limits);
 
+/// Warns of accessors, used or not, whose numbers are not finite or not within their own min and max; of a
+/// document with very many elements only the first accessors are looked at.
+void check_values(Document& document, const Bytes& bytes);
+
 /// How many numbers an element has: 1 for SCALAR to 16 for MAT4.
 uint32_t component_count(const tinygltf::Accessor& accessor);
 

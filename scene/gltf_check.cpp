@@ -37,6 +37,8 @@ struct Shape {
     size_t count = 0;                          // of an array's elements, where fixed
     std::vector<Shape> element = {};           // one, of an array or map
     std::vector<Member> members = {};          // of an object
+    std::vector<std::pair<std::string_view, std::string_view>> exclusive =
+        {};  // members not to stand together
 };
 
 struct Member {
@@ -113,8 +115,9 @@ Shape document_shape() {
         {"byteStride", integer(4, 252)},
         {"target", one_of({34962, 34963})},
     });
-    const Shape image = object(
+    Shape image = object(
         {{"name", text()}, {"uri", text()}, {"mimeType", text()}, {"bufferView", index("/bufferViews")}});
+    image.exclusive = {{"uri", "bufferView"}};
     const Shape texture =
         object({{"name", text()}, {"sampler", index("/samplers")}, {"source", index("/images")}});
     const Shape sampler = object({
@@ -153,7 +156,7 @@ Shape document_shape() {
         {"mode", integer(0, 6)},
     });
     const Shape mesh = object({{"name", text()}, {"primitives", list(primitive), required}});
-    const Shape node = object({
+    Shape node = object({
         {"name", text()},
         {"camera", index("/cameras")},
         {"children", list(index("/nodes"))},
@@ -167,6 +170,7 @@ Shape document_shape() {
          object({{"KHR_lights_punctual",
                   object({{"light", index("/extensions/KHR_lights_punctual/lights"), required}})}})},
     });
+    node.exclusive = {{"matrix", "translation"}, {"matrix", "rotation"}, {"matrix", "scale"}};
     const Shape perspective = object({{"aspectRatio", number()},
                                       {"yfov", number(), required},
                                       {"zfar", number()},
@@ -175,10 +179,11 @@ Shape document_shape() {
                                        {"ymag", number(), required},
                                        {"zfar", number(), required},
                                        {"znear", number(), required}});
-    const Shape camera = object({{"name", text()},
-                                 {"type", one_of_words({"perspective", "orthographic"}), required},
-                                 {"perspective", perspective},
-                                 {"orthographic", orthographic}});
+    Shape camera = object({{"name", text()},
+                           {"type", one_of_words({"perspective", "orthographic"}), required},
+                           {"perspective", perspective},
+                           {"orthographic", orthographic}});
+    camera.exclusive = {{"perspective", "orthographic"}};
     constexpr double right_angle = std::numbers::pi / 2;
     const Shape light = object({
         {"name", text()},
@@ -266,6 +271,9 @@ class Checker {
     std::optional<std::string> check_object(json& value, const Shape& shape) {
         if (!value.is_object()) return "is " + type_name(value) + ", not an object";
         const bool extensions = path_.ends_with("extensions");
+        for (const auto& [one, other] : shape.exclusive)
+            if (value.contains(one) && value.contains(other))
+                warnings_.add(fmt::format("{} has both {} and {}; only {} counts", path(), one, other, one));
         for (const Member& member : shape.members)
             if (member.required && !value.contains(member.name))
                 return fmt::format("lacks '{}', which it must have", member.name);

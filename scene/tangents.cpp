@@ -27,8 +27,6 @@ struct Corner {
             std::array{position.x, position.y, position.z, normal.x, normal.y, normal.z, uv.x, uv.y});
     }
 };
-}
-};
 
 struct Face {
     glm::vec3 du{0};          // direction in which u grows
