@@ -1,0 +1,58 @@
+// Submissions in flight: command buffers, the timeline that counts them, and the time that passes took.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "backends/vulkan/recording.hpp"
+
+namespace lumo::backends::vulkan {
+
+/// The part of rhi::Backend that runs work.
+class Executor {
+  public:
+    static Result<std::unique_ptr<Executor>> create(const Gpu& gpu, Store& store);
+    ~Executor();
+    Executor(const Executor&) = delete;
+    Executor& operator=(const Executor&) = delete;
+
+    Result<void> begin(uint64_t serial);
+    void emit(const rhi::EmittedPass& pass);
+    Result<void> submit();
+    uint64_t completed();
+    Result<void> wait(uint64_t serial);
+    std::vector<rhi::PassStamp> stamps(uint64_t serial);
+
+  private:
+    /// What one submission in flight needs for itself.
+    struct Frame {
+        Unique<VkCommandPool> pool;
+        VkCommandBuffer commands = VK_NULL_HANDLE;
+        DescriptorSets sets;
+        std::vector<Unique<VkQueryPool>> queries;  ///< of passes_per_pool passes each
+        uint32_t passes = 0;
+        uint64_t serial = 0;  ///< 0: not used since its stamps were read
+    };
+
+    Executor(const Gpu& gpu, Store& store) : gpu_(gpu), vk_(gpu.vk()), store_(store) {}
+    Result<void> check(VkResult result, std::string_view call);
+    Result<void> make_room_for_stamps();
+    void stamp(uint32_t which);
+    void order_everything();
+    void read_stamps(Frame& frame);
+
+    const Gpu& gpu_;
+    const VolkDeviceTable& vk_;
+    Store& store_;
+    Unique<VkSemaphore> timeline_;
+    std::array<Frame, rhi::max_in_flight> frames_;
+    Frame* open_ = nullptr;
+    Result<void> recorded_;  ///< what went wrong since begin
+    bool lost_ = false;
+    uint64_t last_serial_ = 0;
+    std::map<uint64_t, std::vector<rhi::PassStamp>> stamps_;
+};
+
+}  // namespace lumo::backends::vulkan

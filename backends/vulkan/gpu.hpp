@@ -1,0 +1,137 @@
+// One logical device: which one it is, what it can do, and how objects are made on it.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+#include <volk.h>
+
+#include "backends/vulkan/instance.hpp"
+#include "rhi/device_info.hpp"
+#include "rhi/error.hpp"
+#include "rhi/format.hpp"
+
+namespace lumo::backends::vulkan {
+
+/// An object of a device, destroyed with its owner.
+template <class T>
+class Unique {
+  public:
+    using Destroy = void(VKAPI_PTR*)(VkDevice, T, const VkAllocationCallbacks*);
+
+    Unique() = default;
+    Unique(VkDevice device, T object, Destroy destroy)
+        : device_(device), object_(object), destroy_(destroy) {}
+    Unique(Unique&& other) noexcept { swap(other); }
+    Unique& operator=(Unique&& other) noexcept {
+        Unique(std::move(other)).swap(*this);
+        return *this;
+    }
+    ~Unique() {
+        if (object_) destroy_(device_, object_, nullptr);
+    }
+
+    T get() const { return object_; }
+    explicit operator bool() const { return object_ != VK_NULL_HANDLE; }
+
+  private:
+    void swap(Unique& other) noexcept {
+        std::swap(device_, other.device_);
+        std::swap(object_, other.object_);
+        std::swap(destroy_, other.destroy_);
+    }
+
+    VkDevice device_ = VK_NULL_HANDLE;
+    T object_ = VK_NULL_HANDLE;
+    Destroy destroy_ = nullptr;
+};
+
+template <class T>
+inline constexpr VkObjectType object_type = VK_OBJECT_TYPE_UNKNOWN;
+template <>
+inline constexpr VkObjectType object_type<VkBuffer> = VK_OBJECT_TYPE_BUFFER;
+template <>
+inline constexpr VkObjectType object_type<VkImage> = VK_OBJECT_TYPE_IMAGE;
+template <>
+inline constexpr VkObjectType object_type<VkImageView> = VK_OBJECT_TYPE_IMAGE_VIEW;
+template <>
+inline constexpr VkObjectType object_type<VkSampler> = VK_OBJECT_TYPE_SAMPLER;
+template <>
+inline constexpr VkObjectType object_type<VkShaderModule> = VK_OBJECT_TYPE_SHADER_MODULE;
+template <>
+inline constexpr VkObjectType object_type<VkDescriptorSetLayout> = VK_OBJECT_TYPE_DESCRIPTOR_SET_LAYOUT;
+template <>
+inline constexpr VkObjectType object_type<VkPipelineLayout> = VK_OBJECT_TYPE_PIPELINE_LAYOUT;
+template <>
+inline constexpr VkObjectType object_type<VkPipeline> = VK_OBJECT_TYPE_PIPELINE;
+
+/// What a failed call means to the caller; `call` is the function's name.
+tl::unexpected<Error> fail(VkResult result, std::string subject, std::string_view call);
+
+class Gpu {
+  public:
+    /// The best device, or the one whose name holds desc.name. Errors: no_device (with what was found),
+    /// unsupported (with what the device lacks).
+    static Result<std::unique_ptr<Gpu>> create(const rhi::DeviceDesc& desc);
+    ~Gpu();
+    Gpu(const Gpu&) = delete;
+    Gpu& operator=(const Gpu&) = delete;
+
+    VkDevice device() const { return device_; }
+    VkPhysicalDevice physical() const { return physical_; }
+    VkQueue queue() const { return queue_; }
+    uint32_t queue_family() const { return queue_family_; }
+    const VolkDeviceTable& vk() const { return table_; }
+    const Instance& instance() const { return *instance_; }
+
+    const rhi::DeviceInfo& info() const { return info_; }
+    rhi::FormatCaps format_caps(rhi::Format format) const { return format_caps_[size_t(format)]; }
+    const VkPhysicalDeviceProperties& properties() const { return properties_; }
+    uint32_t timestamp_bits() const { return timestamp_bits_; }
+    bool has_push_descriptors() const { return push_descriptors_; }
+    bool has_multi_draw_indirect() const { return multi_draw_indirect_; }
+    rhi::MemoryBudget memory_budget() const;
+
+    void set_name(VkObjectType type, uint64_t object, std::string_view name) const;
+
+    /// Makes an object with one of the vkCreate functions, and names it.
+    template <class T, class Info>
+    Result<Unique<T>> make(VkResult(VKAPI_PTR* create)(VkDevice, const Info*, const VkAllocationCallbacks*,
+                                                       T*),
+                           typename Unique<T>::Destroy destroy, const Info& info,
+                           std::string_view name) const {
+        T object = VK_NULL_HANDLE;
+        VkResult result = create(device_, &info, nullptr, &object);
+        if (result != VK_SUCCESS) return fail(result, std::string(name), "vkCreate");
+        if constexpr (object_type<T> != VK_OBJECT_TYPE_UNKNOWN) {
+            set_name(object_type<T>, uint64_t(object), name);
+        }
+        return Unique<T>(device_, object, destroy);
+    }
+
+  private:
+    Gpu() = default;
+    void query_formats();
+
+    std::unique_ptr<Instance> instance_;
+    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkQueue queue_ = VK_NULL_HANDLE;
+    VolkDeviceTable table_{};
+    VkPhysicalDeviceProperties properties_{};
+    rhi::DeviceInfo info_;
+    std::array<rhi::FormatCaps, rhi::format_count> format_caps_{};
+    uint32_t queue_family_ = 0;
+    uint32_t timestamp_bits_ = 0;
+    bool push_descriptors_ = false;
+    bool multi_draw_indirect_ = false;
+    bool budget_ = false;
+};
+
+/// What every physical device of an instance is.
+std::vector<rhi::DeviceInfo> list_devices(const Instance& instance);
+
+}  // namespace lumo::backends::vulkan

@@ -1,0 +1,199 @@
+// volk's global function pointers are hidden, so that they never stand in for the functions of a Vulkan
+// library that the host program links. What volk.h includes must stay visible.
+#define VK_NO_PROTOTYPES
+#include <dlfcn.h>
+#include <vulkan/vulkan.h>
+#pragma GCC visibility push(hidden)
+#define VOLK_IMPLEMENTATION
+#include <volk.h>
+#pragma GCC visibility pop
+
+#include <fmt/format.h>
+#include <string_view>
+
+#include "backends/vulkan/instance.hpp"
+
+namespace lumo::backends::vulkan {
+
+namespace {
+
+using rhi::Severity;
+
+constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
+
+/// Null when there is no loader. Found once a process: the only state of volk's that is used.
+PFN_vkGetInstanceProcAddr loader() {
+    static const PFN_vkGetInstanceProcAddr entry =
+        volkInitialize() == VK_SUCCESS ? vkGetInstanceProcAddr : nullptr;
+    return entry;
+}
+
+Severity severity_of(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT types,
+                     std::string_view id) {
+    if (severity < VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT) return Severity::notification;
+    // The loader complains about drivers and layers that are installed badly and not used.
+    if (id == "Loader Message") return Severity::low;
+    if (types & VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT) return Severity::performance;
+    return severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? Severity::error : Severity::medium;
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                          VkDebugUtilsMessageTypeFlagsEXT types,
+                                          const VkDebugUtilsMessengerCallbackDataEXT* data, void* instance) {
+    std::string id = data->pMessageIdName ? data->pMessageIdName : "";
+    auto level = severity_of(severity, types, id);
+    static_cast<const Instance*>(instance)->report(
+        {.severity = level, .id = std::move(id), .text = data->pMessage ? data->pMessage : ""});
+    return VK_FALSE;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Instance>> Instance::create(bool validation, rhi::MessageSink sink) {
+    auto get = loader();
+    if (!get) {
+        return fail(ErrorKind::no_device, "Vulkan", "there is no Vulkan loader (libvulkan.so.1)",
+                    "install the package libvulkan1 and a Vulkan driver, or use OpenGL");
+    }
+    auto load = [&]<class F>(F& function, VkInstance instance, const char* name) {
+        function = reinterpret_cast<F>(get(instance, name));
+    };
+    PFN_vkEnumerateInstanceVersion version_of = nullptr;
+    PFN_vkEnumerateInstanceLayerProperties layers_of = nullptr;
+    PFN_vkEnumerateInstanceExtensionProperties extensions_of = nullptr;
+    PFN_vkCreateInstance create_instance = nullptr;
+    load(version_of, nullptr, "vkEnumerateInstanceVersion");
+    load(layers_of, nullptr, "vkEnumerateInstanceLayerProperties");
+    load(extensions_of, nullptr, "vkEnumerateInstanceExtensionProperties");
+    load(create_instance, nullptr, "vkCreateInstance");
+
+    uint32_t version = VK_API_VERSION_1_0;
+    if (version_of) version_of(&version);
+    if (version < VK_API_VERSION_1_3) {
+        return fail(ErrorKind::unsupported, "Vulkan",
+                    fmt::format("the loader is of Vulkan {}.{}, 1.3 is needed", VK_API_VERSION_MAJOR(version),
+                                VK_API_VERSION_MINOR(version)),
+                    "update the Vulkan loader");
+    }
+    if (validation) {
+        uint32_t count = 0;
+        layers_of(&count, nullptr);
+        std::vector<VkLayerProperties> layers(count);
+        layers_of(&count, layers.data());
+        bool found = std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+            return std::string_view(layer.layerName) == validation_layer;
+        });
+        if (!found) {
+            return fail(ErrorKind::unsupported, "Vulkan",
+                        fmt::format("{} is not installed", validation_layer),
+                        "install the package vulkan-validationlayers, or run without validation");
+        }
+    }
+    uint32_t count = 0;
+    extensions_of(nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> available(count);
+    extensions_of(nullptr, &count, available.data());
+    bool debug_utils = std::any_of(available.begin(), available.end(), [](const VkExtensionProperties& e) {
+        return std::string_view(e.extensionName) == VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+    });
+
+    std::unique_ptr<Instance> made(new Instance(std::move(sink)));
+    std::vector<const char*> extensions;
+    if (debug_utils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    if (validation) extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+    VkDebugUtilsMessengerCreateInfoEXT messenger{
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverity =
+            VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT |
+                       VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                       VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT,
+        .pfnUserCallback = on_message,
+        .pUserData = made.get(),
+    };
+    auto synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    VkValidationFeaturesEXT features{
+        .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+        .pNext = debug_utils ? &messenger : nullptr,
+        .enabledValidationFeatureCount = 1,
+        .pEnabledValidationFeatures = &synchronization,
+    };
+    VkApplicationInfo application{
+        .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+        .pEngineName = "lumo",
+        .apiVersion = VK_API_VERSION_1_3,
+    };
+    VkInstanceCreateInfo info{
+        .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+        .pNext = validation ? static_cast<const void*>(&features) : features.pNext,
+        .pApplicationInfo = &application,
+        .enabledLayerCount = validation ? 1u : 0u,
+        .ppEnabledLayerNames = &validation_layer,
+        .enabledExtensionCount = uint32_t(extensions.size()),
+        .ppEnabledExtensionNames = extensions.data(),
+    };
+    VkResult result = create_instance(&info, nullptr, &made->instance_);
+    if (result != VK_SUCCESS) {
+        return fail(ErrorKind::no_device, "Vulkan",
+                    fmt::format("no instance could be made (VkResult {})", int(result)),
+                    "install a Vulkan driver, such as the package mesa-vulkan-drivers, or use OpenGL");
+    }
+
+    VkInstance instance = made->instance_;
+    auto& vk = made->table_;
+    load(vk.destroy_instance, instance, "vkDestroyInstance");
+    load(vk.enumerate_physical_devices, instance, "vkEnumeratePhysicalDevices");
+    load(vk.device_extensions, instance, "vkEnumerateDeviceExtensionProperties");
+    load(vk.properties, instance, "vkGetPhysicalDeviceProperties2");
+    load(vk.features, instance, "vkGetPhysicalDeviceFeatures2");
+    load(vk.queue_families, instance, "vkGetPhysicalDeviceQueueFamilyProperties");
+    load(vk.memory_properties, instance, "vkGetPhysicalDeviceMemoryProperties2");
+    load(vk.format_properties, instance, "vkGetPhysicalDeviceFormatProperties2");
+    load(vk.image_format_properties, instance, "vkGetPhysicalDeviceImageFormatProperties2");
+    load(vk.create_device, instance, "vkCreateDevice");
+    load(vk.get_device_proc_addr, instance, "vkGetDeviceProcAddr");
+    if (debug_utils) {
+        load(vk.create_messenger, instance, "vkCreateDebugUtilsMessengerEXT");
+        load(vk.destroy_messenger, instance, "vkDestroyDebugUtilsMessengerEXT");
+        load(vk.set_object_name, instance, "vkSetDebugUtilsObjectNameEXT");
+        load(vk.begin_label, instance, "vkCmdBeginDebugUtilsLabelEXT");
+        load(vk.end_label, instance, "vkCmdEndDebugUtilsLabelEXT");
+        vk.create_messenger(instance, &messenger, nullptr, &made->messenger_);
+    }
+    return made;
+}
+
+Instance::~Instance() {
+    if (messenger_) table_.destroy_messenger(instance_, messenger_, nullptr);
+    if (instance_) table_.destroy_instance(instance_, nullptr);
+}
+
+std::vector<VkPhysicalDevice> Instance::physical_devices() const {
+    uint32_t count = 0;
+    table_.enumerate_physical_devices(instance_, &count, nullptr);
+    std::vector<VkPhysicalDevice> devices(count);
+    table_.enumerate_physical_devices(instance_, &count, devices.data());
+    devices.resize(count);
+    return devices;
+}
+
+void Instance::load(VolkDeviceTable& table, VkDevice device) const {
+    struct Source {
+        PFN_vkGetDeviceProcAddr get;
+        VkDevice device;
+    } source{table_.get_device_proc_addr, device};
+    volkGenLoadDeviceTable(&table, &source, [](void* context, const char* name) {
+        auto* from = static_cast<Source*>(context);
+        return from->get(from->device, name);
+    });
+}
+
+void Instance::report(const rhi::Message& message) const {
+    if (sink_) {
+        sink_(message);
+    } else if (is_failure(message)) {
+        fmt::print(stderr, "Vulkan: {}: {}\n", message.id, message.text);
+    }
+}
+
+}  // namespace lumo::backends::vulkan

@@ -1,0 +1,60 @@
+// The Vulkan loader, one instance of it, and the way of its messages to the sink.
+#pragma once
+
+#include <memory>
+#include <vector>
+#include <volk.h>
+
+#include "rhi/check.hpp"
+#include "rhi/error.hpp"
+
+namespace lumo::backends::vulkan {
+
+/// Functions of one instance. They are kept here because volk keeps them in global variables, which two
+/// instances of two loaders could not share.
+struct InstanceTable {
+    PFN_vkDestroyInstance destroy_instance;
+    PFN_vkEnumeratePhysicalDevices enumerate_physical_devices;
+    PFN_vkEnumerateDeviceExtensionProperties device_extensions;
+    PFN_vkGetPhysicalDeviceProperties2 properties;
+    PFN_vkGetPhysicalDeviceFeatures2 features;
+    PFN_vkGetPhysicalDeviceQueueFamilyProperties queue_families;
+    PFN_vkGetPhysicalDeviceMemoryProperties2 memory_properties;
+    PFN_vkGetPhysicalDeviceFormatProperties2 format_properties;
+    PFN_vkGetPhysicalDeviceImageFormatProperties2 image_format_properties;
+    PFN_vkCreateDevice create_device;
+    PFN_vkGetDeviceProcAddr get_device_proc_addr;
+    // VK_EXT_debug_utils; null without it.
+    PFN_vkCreateDebugUtilsMessengerEXT create_messenger;
+    PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
+    PFN_vkSetDebugUtilsObjectNameEXT set_object_name;
+    PFN_vkCmdBeginDebugUtilsLabelEXT begin_label;
+    PFN_vkCmdEndDebugUtilsLabelEXT end_label;
+};
+
+class Instance {
+  public:
+    /// With `validation` the Khronos layer is on, synchronization validation included. Errors: no_device (no
+    /// loader, or no driver that can make an instance), unsupported (the layer or Vulkan 1.3 is missing).
+    static Result<std::unique_ptr<Instance>> create(bool validation, rhi::MessageSink sink);
+    ~Instance();
+    Instance(const Instance&) = delete;
+    Instance& operator=(const Instance&) = delete;
+
+    const InstanceTable& vk() const { return table_; }
+    std::vector<VkPhysicalDevice> physical_devices() const;
+    /// Fills a table with the device's own entry points, past the loader's dispatch.
+    void load(VolkDeviceTable& table, VkDevice device) const;
+    /// To the sink, or failures to stderr where there is none.
+    void report(const rhi::Message& message) const;
+
+  private:
+    explicit Instance(rhi::MessageSink sink) : sink_(std::move(sink)) {}
+
+    rhi::MessageSink sink_;
+    VkInstance instance_ = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    InstanceTable table_{};
+};
+
+}  // namespace lumo::backends::vulkan

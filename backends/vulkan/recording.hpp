@@ -1,0 +1,81 @@
+// The RHI's commands as Vulkan's, into one command buffer.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "backends/vulkan/gpu.hpp"
+#include "backends/vulkan/pipelines.hpp"
+#include "backends/vulkan/resources.hpp"
+#include "rhi/backend.hpp"
+
+namespace lumo::backends::vulkan {
+
+/// Everything that handles name, by their index.
+struct Store {
+    std::vector<Buffer> buffers;
+    std::vector<Texture> textures;
+    std::vector<Unique<VkSampler>> samplers;
+    std::vector<Pipeline> pipelines;
+
+    const Buffer& operator[](rhi::BufferHandle handle) const { return buffers[handle.index]; }
+    Texture& operator[](rhi::TextureHandle handle) { return textures[handle.index]; }
+    VkSampler operator[](rhi::SamplerHandle handle) const { return samplers[handle.index].get(); }
+    const Pipeline& operator[](rhi::PipelineHandle handle) const { return pipelines[handle.index]; }
+};
+
+/// Descriptor sets of one submission, for devices without push descriptors.
+class DescriptorSets {
+  public:
+    Result<VkDescriptorSet> allocate(const Gpu& gpu, VkDescriptorSetLayout layout);
+    /// Takes back all sets; the device must be done with them.
+    void reset(const Gpu& gpu);
+
+  private:
+    std::vector<Unique<VkDescriptorPool>> pools_;
+    size_t current_ = 0;
+};
+
+/// Records the commands of one pass.
+class Recorder {
+  public:
+    Recorder(const Gpu& gpu, Store& store, DescriptorSets& sets, VkCommandBuffer commands)
+        : gpu_(gpu), vk_(gpu.vk()), store_(store), sets_(sets), commands_(commands) {}
+
+    /// Error: out_of_memory, for views and descriptor sets that could not be made; the commands that need
+    /// them are left out.
+    Result<void> record(const rhi::EmittedPass& pass);
+
+    void operator()(const rhi::DispatchCommand& command);
+    void operator()(const rhi::DispatchIndirectCommand& command);
+    void operator()(const rhi::DrawCommand& command);
+    void operator()(const rhi::DrawIndexedCommand& command);
+    void operator()(const rhi::DrawIndirectCommand& command);
+    void operator()(const rhi::ViewportCommand& command);
+    void operator()(const rhi::CopyBufferCommand& command);
+    void operator()(const rhi::CopyTextureCommand& command);
+    void operator()(const rhi::CopyBufferToTextureCommand& command);
+    void operator()(const rhi::CopyTextureToBufferCommand& command);
+    void operator()(const rhi::FillBufferCommand& command);
+    void operator()(const rhi::ClearTextureCommand& command);
+    void operator()(const rhi::BlitMipCommand& command);
+
+  private:
+    void barriers(std::span<const rhi::Barrier> barriers);
+    bool begin_rendering(const rhi::RasterTargets& targets);
+    bool bind(const rhi::PipelineBindings& what);
+    VkImageView view(const rhi::TextureView& view, rhi::TextureUsage use);
+    VkBuffer buffer(const rhi::BufferSlice& slice) const { return store_[slice.buffer].buffer.get(); }
+    VkBufferImageCopy copy_region(const rhi::BufferSlice& slice, const Texture& texture,
+                                  const rhi::TextureRegion& region) const;
+
+    const Gpu& gpu_;
+    const VolkDeviceTable& vk_;
+    Store& store_;
+    DescriptorSets& sets_;
+    VkCommandBuffer commands_;
+    VkPipeline bound_ = VK_NULL_HANDLE;
+    Result<void> result_;
+};
+
+}  // namespace lumo::backends::vulkan

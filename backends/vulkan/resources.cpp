@@ -1,0 +1,199 @@
+#include "backends/vulkan/resources.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "backends/vulkan/convert.hpp"
+
+namespace lumo::backends::vulkan {
+
+namespace {
+
+using rhi::BufferUsage;
+using rhi::Dimension;
+using rhi::TextureUsage;
+
+VkImageUsageFlags image_usage(TextureUsage usage, rhi::Format format) {
+    VkImageUsageFlags bits = 0;
+    if (has(usage, TextureUsage::sampled)) bits |= VK_IMAGE_USAGE_SAMPLED_BIT;
+    if (has(usage, TextureUsage::storage)) bits |= VK_IMAGE_USAGE_STORAGE_BIT;
+    if (has(usage, TextureUsage::attachment)) {
+        bits |= aspect_of(format) == VK_IMAGE_ASPECT_DEPTH_BIT ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
+                                                               : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    }
+    return bits;
+}
+
+/// How an attachment sees a texture: slices and faces are layers.
+Dimension attachment_dimension(Dimension dimension) {
+    switch (dimension) {
+        case Dimension::d3:
+        case Dimension::cube:
+        case Dimension::cube_array:
+            return Dimension::d2_array;
+        default:
+            return dimension;
+    }
+}
+
+bool may_be_cube(const rhi::TextureDesc& desc) {
+    return image_type(desc.dimension) == VK_IMAGE_TYPE_2D && desc.samples == 1 && desc.layers >= 6 &&
+           desc.extent.width == desc.extent.height;
+}
+
+}  // namespace
+
+Result<Buffer> create_buffer(const Gpu& gpu, Allocator& allocator, const rhi::BufferDesc& desc) {
+    VkBufferUsageFlags usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    if (has(desc.usage, BufferUsage::storage)) usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    if (has(desc.usage, BufferUsage::uniform)) usage |= VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
+    if (has(desc.usage, BufferUsage::index)) usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    if (has(desc.usage, BufferUsage::indirect)) usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+    VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = desc.size, .usage = usage};
+    auto buffer = gpu.make<VkBuffer>(gpu.vk().vkCreateBuffer, gpu.vk().vkDestroyBuffer, info, desc.name);
+    if (!buffer) return tl::unexpected(buffer.error());
+    auto memory = allocator.bind(buffer->get(), VK_NULL_HANDLE, desc.memory, desc.name);
+    if (!memory) return tl::unexpected(memory.error());
+    return Buffer{std::move(*memory), std::move(*buffer)};
+}
+
+Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi::TextureDesc& desc) {
+    std::vector<VkFormat> formats{to_vk(desc.format)};
+    for (auto format : desc.view_formats) formats.push_back(to_vk(format));
+    VkImageFormatListCreateInfo list{.sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_LIST_CREATE_INFO,
+                                     .viewFormatCount = uint32_t(formats.size()),
+                                     .pViewFormats = formats.data()};
+    VkImageCreateFlags flags = 0;
+    // Extended usage: a view in another format may be stored to where the texture's own format may not.
+    if (formats.size() > 1) flags |= VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_EXTENDED_USAGE_BIT;
+    if (may_be_cube(desc)) flags |= VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT;
+    if (desc.dimension == Dimension::d3 && has(desc.usage, TextureUsage::attachment)) {
+        flags |= VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT;
+    }
+    VkImageUsageFlags usage = image_usage(desc.usage, desc.format) | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                              VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+
+    VkPhysicalDeviceImageFormatInfo2 asked{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_FORMAT_INFO_2,
+        .pNext = formats.size() > 1 ? &list : nullptr,
+        .format = formats[0],
+        .type = image_type(desc.dimension),
+        .tiling = VK_IMAGE_TILING_OPTIMAL,
+        .usage = usage,
+        .flags = flags,
+    };
+    VkImageFormatProperties2 allowed{.sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_PROPERTIES_2};
+    VkResult result = gpu.instance().vk().image_format_properties(gpu.physical(), &asked, &allowed);
+    const auto& limit = allowed.imageFormatProperties;
+    if (result != VK_SUCCESS) {
+        return fail(ErrorKind::unsupported, desc.name,
+                    fmt::format("the device has no {} texture of this shape and use",
+                                rhi::format_info(desc.format).name));
+    }
+    if (desc.extent.width > limit.maxExtent.width || desc.extent.height > limit.maxExtent.height ||
+        desc.extent.depth > limit.maxExtent.depth || desc.layers > limit.maxArrayLayers ||
+        desc.mips > limit.maxMipLevels || !(desc.samples & limit.sampleCounts)) {
+        return fail(
+            ErrorKind::unsupported, desc.name,
+            fmt::format("{}x{}x{} texels, {} layers, {} mips, {} samples; the device has at most "
+                        "{}x{}x{}, {}, {}, and sample counts by bits {:#x}",
+                        desc.extent.width, desc.extent.height, desc.extent.depth, desc.layers, desc.mips,
+                        desc.samples, limit.maxExtent.width, limit.maxExtent.height, limit.maxExtent.depth,
+                        limit.maxArrayLayers, limit.maxMipLevels, limit.sampleCounts));
+    }
+    VkImageCreateInfo info{
+        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+        .pNext = asked.pNext,
+        .flags = flags,
+        .imageType = asked.type,
+        .format = asked.format,
+        .extent = {desc.extent.width, desc.extent.height, desc.extent.depth},
+        .mipLevels = desc.mips,
+        .arrayLayers = desc.layers,
+        .samples = VkSampleCountFlagBits(desc.samples),
+        .tiling = asked.tiling,
+        .usage = usage,
+    };
+    auto image = gpu.make<VkImage>(gpu.vk().vkCreateImage, gpu.vk().vkDestroyImage, info, desc.name);
+    if (!image) return tl::unexpected(image.error());
+    auto memory = allocator.bind(VK_NULL_HANDLE, image->get(), rhi::Memory::device, desc.name);
+    if (!memory) return tl::unexpected(memory.error());
+    Texture made;
+    made.desc_ = desc;
+    made.memory_ = std::move(*memory);
+    made.image_ = std::move(*image);
+    return made;
+}
+
+VkImageAspectFlags Texture::aspect() const { return aspect_of(desc_.format); }
+
+VkImageLayout Texture::shader_layout() const {
+    return to_vk(has(desc_.usage, TextureUsage::storage) ? rhi::Layout::general : rhi::Layout::read_only);
+}
+
+uint32_t Texture::attachment_layers(const rhi::TextureView& view) const {
+    return desc_.dimension == Dimension::d3 ? mip_extent(desc_.extent, view.first_mip).depth : view.layers;
+}
+
+Result<VkImageView> Texture::view(const Gpu& gpu, const rhi::TextureView& view, TextureUsage use) {
+    for (const auto& [key, made] : views_) {
+        if (key.first == view && key.second == use) return made.get();
+    }
+    bool attachment = use == TextureUsage::attachment;
+    VkImageViewUsageCreateInfo usage{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_USAGE_CREATE_INFO,
+                                     .usage = image_usage(use, desc_.format)};
+    VkImageViewCreateInfo info{
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .pNext = &usage,
+        .image = image(),
+        .viewType = view_type(attachment ? attachment_dimension(view.dimension) : view.dimension),
+        .format = to_vk(view.format),
+        .subresourceRange = {aspect(), view.first_mip, view.mips, view.first_layer,
+                             attachment ? attachment_layers(view) : view.layers},
+    };
+    auto made =
+        gpu.make<VkImageView>(gpu.vk().vkCreateImageView, gpu.vk().vkDestroyImageView, info, desc_.name);
+    if (!made) return tl::unexpected(made.error());
+    return views_.emplace_back(std::pair(view, use), std::move(*made)).second.get();
+}
+
+Result<Unique<VkSampler>> create_sampler(const Gpu& gpu, const rhi::SamplerDesc& desc) {
+    auto filter = [](rhi::FilterMode mode) {
+        return mode == rhi::FilterMode::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
+    };
+    auto address = [](rhi::AddressMode mode) {
+        switch (mode) {
+            case rhi::AddressMode::repeat:
+                return VK_SAMPLER_ADDRESS_MODE_REPEAT;
+            case rhi::AddressMode::mirrored_repeat:
+                return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+            case rhi::AddressMode::clamp_to_border:
+                return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+            case rhi::AddressMode::clamp_to_edge:
+                break;
+        }
+        return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    };
+    constexpr VkBorderColor borders[] = {VK_BORDER_COLOR_FLOAT_TRANSPARENT_BLACK,
+                                         VK_BORDER_COLOR_FLOAT_OPAQUE_BLACK,
+                                         VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE};
+    float anisotropy = std::min(desc.max_anisotropy, gpu.info().limits.max_anisotropy);
+    VkSamplerCreateInfo info{
+        .sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
+        .magFilter = filter(desc.magnification),
+        .minFilter = filter(desc.minification),
+        .mipmapMode = desc.mip == rhi::FilterMode::linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR
+                                                          : VK_SAMPLER_MIPMAP_MODE_NEAREST,
+        .addressModeU = address(desc.address_u),
+        .addressModeV = address(desc.address_v),
+        .addressModeW = address(desc.address_w),
+        .anisotropyEnable = anisotropy > 1,
+        .maxAnisotropy = anisotropy,
+        .minLod = desc.min_lod,
+        .maxLod = desc.max_lod,
+        .borderColor = borders[size_t(desc.border)],
+    };
+    return gpu.make<VkSampler>(gpu.vk().vkCreateSampler, gpu.vk().vkDestroySampler, info, "sampler");
+}
+
+}  // namespace lumo::backends::vulkan
