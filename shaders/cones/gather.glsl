@@ -3,8 +3,9 @@
 #include "common/constants.glsl"
 #include "common/voxel_grid.glsl"
 
-layout(constant_id = 20) const bool gather_emission = false;     // an emission volume beside the radiance
-layout(constant_id = 21) const bool gather_environment = false;  // cones that leave the grid see a constant radiance
+layout(constant_id = 20) const bool gather_reflected = true;     // the radiance volume's light, not its opacity alone
+layout(constant_id = 21) const bool gather_emission = false;     // the emission volume's light
+layout(constant_id = 22) const bool gather_environment = false;  // a constant radiance outside the grid
 
 const int max_cones = 32;
 
@@ -39,7 +40,7 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
         vec3 uvw = position / gather.resolution;
         vec4 stored = textureLod(voxel_radiance, uvw, lod);
         if (stored.a > 0.0) {
-            vec3 leaving = stored.rgb * gather.radiance_unit;
+            vec3 leaving = gather_reflected ? stored.rgb * gather.radiance_unit : vec3(0);
             if (gather_emission) leaving += textureLod(voxel_emission, uvw, lod).rgb * gather.emission_unit;
             // Opacity and colour are per diameter of path; a step is part of one.
             float opacity = 1.0 - pow(max(1.0 - stored.a, 0.0), step_per_diameter);
@@ -61,17 +62,19 @@ mat3 frame_about(vec3 n) {
     return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
 }
 
-// Irradiance on a surface, W/m². `geometric_normal` lifts the cones off the voxels of their own surface, `normal`
-// is the hemisphere's axis; both unit length, world space.
-vec3 gather_irradiance(vec3 world, vec3 geometric_normal, vec3 normal) {
-    VoxelGrid grid = VoxelGrid(gather.grid_origin, gather.voxels_per_metre);
+// Irradiance on a surface, W/m². `position` in grid space. `geometric_normal` lifts the cones off the voxels of their
+// own surface, `normal` is the hemisphere's axis; both unit length.
+vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
     // The surface's own voxels reach one voxel from it, the filter half of one more.
-    vec3 origin = grid_from_world(grid, world) + geometric_normal * 1.0;
+    vec3 origin = position + geometric_normal;
     mat3 frame = frame_about(normal);
     vec3 sum = vec3(0);
     for (int i = 0; i < gather.cone_count; ++i) {
-        sum += gather.cones[i].w *
-               trace_cone(origin, frame * gather.cones[i].xyz, gather.tan_half_aperture, 1.0);
+        sum += gather.cones[i].w * trace_cone(origin, frame * gather.cones[i].xyz, gather.tan_half_aperture, 1.0);
     }
     return pi * sum;
+}
+
+vec3 gather_position(vec3 world) {
+    return grid_from_world(VoxelGrid(gather.grid_origin, gather.voxels_per_metre), world);
 }

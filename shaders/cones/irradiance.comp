@@ -18,7 +18,7 @@ void main() {
     vec3 gathered = vec3(0);
     float pixel_depth = texelFetch(depth, pixel, 0).r;
     if (pixel_depth < 1.0) {
-        gathered = gather_irradiance(world_from_pixel(vec2(pixel) + 0.5, pixel_depth),
+        gathered = gather_irradiance(gather_position(world_from_pixel(vec2(pixel) + 0.5, pixel_depth)),
                                      texelFetch(geometric_normal_occlusion, pixel, 0).xyz,
                                      normalize(texelFetch(normal_roughness, pixel, 0).xyz));
     }

@@ -4,8 +4,8 @@
 
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
-layout(binding = 0, rgba8) readonly uniform image3D finer;
-layout(binding = 1, rgba8) writeonly uniform image3D coarser;
+layout(binding = 0) uniform sampler3D finer;
+layout(binding = 1) writeonly uniform image3D coarser;
 
 void main() {
     ivec3 voxel = ivec3(gl_GlobalInvocationID);
@@ -13,7 +13,7 @@ void main() {
 
     precise vec4 sum = vec4(0);
     for (int child = 0; child < 8; ++child) {
-        sum += imageLoad(finer, voxel * 2 + (ivec3(child) >> ivec3(0, 1, 2) & 1));
+        sum += texelFetch(finer, voxel * 2 + (ivec3(child) >> ivec3(0, 1, 2) & 1), 0);
     }
     imageStore(coarser, voxel, sum / 8.0);
 }

@@ -7,25 +7,24 @@ layout(local_size_x = 8, local_size_y = 4, local_size_z = 4) in;
 layout(binding = 0, r32ui) readonly uniform uimage3D sums;
 layout(binding = 1, rgba8) writeonly uniform image3D albedo;  // a: opacity, 0 where empty
 layout(binding = 2, r8) writeonly uniform image3D area;       // encode_area of voxel faces
+layout(binding = 3, rgba8) writeonly uniform image3D normal;  // mean of the surfaces' normals, * 0.5 + 0.5
 
-float sum(ivec3 voxel, int word) {
-    return float(imageLoad(sums, sum_texel(voxel, word)).r);
+float sum(ivec3 voxel, int word) { return float(imageLoad(sums, sum_texel(voxel, word)).r); }
+
+// Mean of three words of 8-bit values, 0 to 1.
+vec3 mean(ivec3 voxel, int word, float weight) {
+    return vec3(sum(voxel, word), sum(voxel, word + 1), sum(voxel, word + 2)) / (weight * 255.0);
 }
 
 void main() {
     ivec3 voxel = ivec3(gl_GlobalInvocationID);
     if (!inside_grid(voxel, imageSize(albedo).x)) return;
 
-    float weight = sum(voxel, 3);
-    vec4 mean = vec4(0);
-    float encoded = 0.0;
-    if (weight > 0.0) {
-        vec3 color = vec3(sum(voxel, 0), sum(voxel, 1), sum(voxel, 2)) / (weight * 255.0);
-        // At least 1/255: a surface, however clear, is not an empty voxel.
-        float opacity = translucent ? max(sum(voxel, 4) / weight, 1.0 / 255.0) : 1.0;
-        mean = vec4(color, opacity);
-        encoded = encode_area(weight / weight_unit);
-    }
-    imageStore(albedo, voxel, mean);
-    imageStore(area, voxel, vec4(encoded));
+    float weight = sum(voxel, word_weight);
+    bool occupied = weight > 0.0;
+    // At least 1/255: a surface, however clear, is not an empty voxel.
+    float opacity = translucent && occupied ? max(sum(voxel, word_opacity) / weight, 1.0 / 255.0) : 1.0;
+    imageStore(albedo, voxel, occupied ? vec4(mean(voxel, word_color, weight), opacity) : vec4(0));
+    imageStore(area, voxel, vec4(occupied ? encode_area(weight / weight_unit) : 0.0));
+    if (normals) imageStore(normal, voxel, vec4(occupied ? mean(voxel, word_normal, weight) : vec3(0.5), 1));
 }

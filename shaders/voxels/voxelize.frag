@@ -15,6 +15,8 @@ layout(location = 5) flat in uint axis;
 layout(location = 6) flat in float share;
 layout(location = 7) flat in vec2 uv_per_voxel;
 
+layout(location = 8) flat in vec3 facing;
+
 layout(constant_id = 0) const bool alpha_test = false;
 layout(constant_id = 1) const bool emission = false;  // sums emission instead of base colour
 
@@ -23,6 +25,13 @@ layout(binding = 6, r32ui) uniform uimage3D sums;
 void add(ivec3 voxel, int word, float value) {
     uint quantised = uint(value + 0.5);
     if (quantised != 0u) imageAtomicAdd(sums, sum_texel(voxel, word), quantised);
+}
+
+void add_color(ivec3 voxel, int first_word, vec3 color, float weight) {
+    vec3 bits = floor(clamp(color, 0.0, 1.0) * 255.0 + 0.5);
+    add(voxel, first_word, bits.r * weight);
+    add(voxel, first_word + 1, bits.g * weight);
+    add(voxel, first_word + 2, bits.b * weight);
 }
 
 // The mip whose texels are as large as a voxel.
@@ -51,10 +60,8 @@ void main() {
 
     // At least 1, so that a fragment of any slope marks its voxel.
     float weight = max(floor(share * weight_unit + 0.5), 1.0);
-    vec3 bits = floor(clamp(value, 0.0, 1.0) * 255.0 + 0.5);
-    add(voxel, 0, bits.r * weight);
-    add(voxel, 1, bits.g * weight);
-    add(voxel, 2, bits.b * weight);
-    add(voxel, 3, weight);
-    if (translucent) add(voxel, 4, floor(clamp(base.a, 0.0, 1.0) * weight + 0.5));
+    add_color(voxel, word_color, value, weight);
+    add(voxel, word_weight, weight);
+    if (normals && !emission) add_color(voxel, word_normal, facing * 0.5 + 0.5, weight);
+    if (translucent && !emission) add(voxel, word_opacity, floor(clamp(base.a, 0.0, 1.0) * weight + 0.5));
 }

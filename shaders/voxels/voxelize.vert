@@ -24,6 +24,7 @@ layout(location = 4) flat out vec2 slope;
 layout(location = 5) flat out uint axis;
 layout(location = 6) flat out float share;       // surface area of a fragment's share, in voxel faces
 layout(location = 7) flat out vec2 uv_per_voxel;  // length of one voxel in each uv set
+layout(location = 8) flat out vec3 facing;        // unit normal of the front side
 
 void main() {
     axis = uint(gl_InstanceIndex) % 3u;
@@ -47,6 +48,8 @@ void main() {
     uv1 = corner[c].uv1;
     color = corner[c].color;
     anchor = p[0];
+    vec3 front = normal / max(doubled_area, 1e-30) * instance_handedness(instance);
+    facing = axis == 0u ? front.zxy : axis == 1u ? front.yzx : front;
     // A projection thinner than this covers no column's centre line, or none that another axis would not mark.
     bool edge_on = !(abs(normal.z) > 1e-4 * doubled_area) || isinf(doubled_area);
     slope = edge_on ? vec2(0) : -normal.xy / normal.z;

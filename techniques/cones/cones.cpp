@@ -1,26 +1,10 @@
 #include "techniques/cones/cones.hpp"
 
-#include <cmath>
+#include "techniques/cones/gather.hpp"
 
 namespace lumo::cones {
 
 using rhi::Dimension;
-
-GatherBlock gather_block(const Distribution& distribution, const voxels::View& volume, glm::vec3 environment) {
-    GatherBlock block{};
-    block.grid_origin = volume.grid.origin;
-    block.voxels_per_metre = 1 / volume.grid.voxel_size;
-    block.radiance_unit = volume.radiance_unit;
-    block.emission_unit = volume.emission_unit;
-    block.cone_count = int32_t(distribution.cones.size());
-    block.tan_half_aperture = std::tan(distribution.tracing_half_angle);
-    block.environment = environment;
-    block.resolution = float(volume.grid.resolution);
-    for (size_t i = 0; i < distribution.cones.size(); ++i) {
-        block.cones[i] = glm::vec4(distribution.cones[i].direction, distribution.cones[i].weight);
-    }
-    return block;
-}
 
 Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& settings, const Needs& needs,
                                       rhi::Extent size) {
@@ -60,10 +44,10 @@ rhi::View<Dimension::d2> Irradiance::record(rhi::Commands& commands, const gbuff
                   {.depth = {gbuffer.depth, point_sampler_},
                    .normal_roughness = {gbuffer.normal_roughness, point_sampler_},
                    .geometric_normal_occlusion = {gbuffer.geometric_normal_occlusion, point_sampler_},
-                   .Camera = gbuffer.camera,
+                   .camera = gbuffer.camera,
                    .voxel_radiance = {volume.radiance, volume_sampler_},
                    .voxel_emission = {volume.emission, volume_sampler_},
-                   .Gather = gather,
+                   .gather = gather,
                    .irradiance = irradiance_.view<Dimension::d2>()},
                   {}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
     return irradiance_.view<Dimension::d2>();

@@ -21,18 +21,15 @@ struct Needs {
     bool environment = false;  ///< light comes from outside the grid
 };
 
-/// The uniform block that shaders/cones/gather.glsl reads, for every program that gathers.
-using GatherBlock = shaders::cones::irradiance::Gather;
-GatherBlock gather_block(const Distribution& distribution, const voxels::View& volume, glm::vec3 environment);
-
 class Irradiance {
   public:
     /// Makes a target of the size. Errors: those of the device.
     static Result<Irradiance> create(rhi::Device& device, const Settings& settings, const Needs& needs,
                                      rhi::Extent size);
 
-    /// Irradiance of indirect light, W/m², over the hemisphere of each pixel's shading normal; 0 where nothing was
-    /// drawn. `environment` is the radiance from outside the grid, W/m²/sr. Returns rgba32_float, a is 1.
+    /// Irradiance of indirect light, W/m², over the hemisphere of each pixel's shading normal; 0 where
+    /// nothing was drawn. `environment` is the radiance from outside the grid, W/m²/sr. Returns rgba32_float,
+    /// a is 1.
     rhi::View<rhi::Dimension::d2> record(rhi::Commands& commands, const gbuffer::View& gbuffer,
                                          const voxels::View& volume, glm::vec3 environment);
 

@@ -13,16 +13,16 @@ struct Ring {
     int cones = 0;
 };
 
-/// Circles of this half-angle that fit side by side on a ring: neighbours' centres are 2 half_angle apart, which is
-/// sin(half_angle) = sin(polar) sin(pi / n).
+/// Circles of this half-angle that fit side by side on a ring: neighbours' centres are 2 half_angle apart,
+/// which is sin(half_angle) = sin(polar) sin(pi / n).
 int ring_capacity(double polar, double half_angle) {
     const double ratio = std::sin(half_angle) / std::sin(polar);
     if (ratio >= 1) return polar > half_angle ? 2 : 1;
     return int(std::floor(glm::pi<double>() / std::asin(ratio) + 1e-9));
 }
 
-/// Rings that hold `count` circles of this half-angle from the pole down, the innermost at `first_polar`; nothing
-/// when they do not fit above the horizon.
+/// Rings that hold `count` circles of this half-angle from the pole down, the innermost at `first_polar`;
+/// nothing when they do not fit above the horizon.
 std::optional<std::vector<Ring>> pack(int count, double half_angle, double first_polar) {
     std::vector<Ring> rings;
     for (double polar = first_polar; count > 0; polar += 2 * half_angle) {

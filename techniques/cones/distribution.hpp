@@ -15,13 +15,13 @@ struct Cone {
 
 struct Distribution {
     std::vector<Cone> cones;
-    float half_angle = 0;           ///< radians, of the packed circles: they touch and do not overlap
-    float tracing_half_angle = 0;   ///< radians; cones this wide have the hemisphere's solid angle together
+    float half_angle = 0;          ///< radians, of the packed circles: they touch and do not overlap
+    float tracing_half_angle = 0;  ///< radians; cones this wide have the hemisphere's solid angle together
 };
 
-/// `count` cones, 1 to max_cones, on concentric rings: equal circles packed on the hemisphere after Appelbaum & Weiss
-/// (1999), as wide as they fit. A ring's cones share its zone's part of the cosine, which is sin² between the polar
-/// angles that bound it, so a constant environment gives exactly its irradiance.
+/// `count` cones, 1 to max_cones, on concentric rings: equal circles packed on the hemisphere after Appelbaum
+/// & Weiss (1999), as wide as they fit. A ring's cones share its zone's part of the cosine, which is sin²
+/// between the polar angles that bound it, so a constant environment gives exactly its irradiance.
 Distribution distribute(int count);
 
 }  // namespace lumo::cones

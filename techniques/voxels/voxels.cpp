@@ -10,32 +10,36 @@ namespace {
 
 using rhi::Dimension;
 using rhi::Format;
-using rhi::TextureUsage;
 
-constexpr uint32_t sum_words(bool translucent) { return translucent ? 5 : 4; }
+/// sum_words of shaders/voxels/accumulator.glsl.
+uint32_t sum_words(const Needs& needs) { return 4 + (needs.normals ? 3 : 0) + (needs.translucent ? 1 : 0); }
 
-rhi::TextureDesc volume_desc(std::string name, Format format, uint32_t resolution, bool with_mips = false) {
+rhi::TextureDesc volume_desc(std::string name, Format format, uint32_t resolution) {
     return {.name = std::move(name),
             .dimension = Dimension::d3,
             .format = format,
             .extent = {resolution, resolution, resolution},
-            .mips = with_mips ? rhi::full_mips({resolution, resolution, resolution}) : 1,
-            .usage = TextureUsage::sampled | TextureUsage::storage};
-}
-
-/// Groups of the per-voxel programs, 8 x 4 x 4 voxels each.
-rhi::Groups voxel_groups(uint32_t resolution) {
-    return {rhi::groups_for(resolution, 8), rhi::groups_for(resolution, 4), rhi::groups_for(resolution, 4)};
+            .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::storage};
 }
 
 float highest(glm::vec3 v) { return std::max({v.x, v.y, v.z}); }
 
 }  // namespace
 
+rhi::TextureDesc radiance_desc(std::string name, uint32_t resolution, bool wide_range) {
+    rhi::TextureDesc desc =
+        volume_desc(std::move(name), wide_range ? Format::rgba16_float : Format::rgba8_unorm, resolution);
+    desc.mips = rhi::full_mips(desc.extent);
+    return desc;
+}
+
+rhi::Groups voxel_groups(uint32_t resolution) {
+    return {rhi::groups_for(resolution, 8), rhi::groups_for(resolution, 4), rhi::groups_for(resolution, 4)};
+}
+
 Grid fit_grid(const scene::Bounds& bounds, uint32_t resolution) {
     if (bounds.empty()) return {.resolution = resolution};
-    const glm::vec3 size = bounds.max - bounds.min;
-    const float longest = std::max(highest(size), 1e-6f);
+    const float longest = std::max(highest(bounds.max - bounds.min), 1e-6f);
     const float voxel = longest / float(resolution - 1);
     const glm::vec3 center = (bounds.min + bounds.max) * 0.5f;
     return {.origin = center - glm::vec3(voxel * float(resolution) * 0.5f),
@@ -47,75 +51,97 @@ Result<Volume> Volume::create(rhi::Device& device, const Settings& settings, con
     Volume volume;
     volume.settings_ = settings;
     volume.needs_ = needs;
-    const uint32_t resolution = settings.resolution;
-    const uint32_t words = sum_words(needs.translucent);
+    return volume.create_textures(device)
+        .and_then([&] { return volume.create_pipelines(device); })
+        .and_then([&] { return Mips::create(device); })
+        .map([&](Mips mips) {
+            volume.mips_ = std::move(mips);
+            return std::move(volume);
+        });
+}
+
+Result<void> Volume::create_textures(rhi::Device& device) {
+    const uint32_t resolution = settings_.resolution;
+    const uint32_t words = sum_words(needs_);
     const uint32_t widest = device.info().limits.max_texture_side_3d;
     if (resolution * words > widest) {
         return fail(ErrorKind::limit, "--voxels",
-                    fmt::format("{} voxels need a 3D texture {} texels wide; this device's end at {}", resolution,
-                                resolution * words, widest),
-                    fmt::format("use at most {} voxels", widest / words));
+                    fmt::format("{} voxels a side need a volume {} texels wide, and this device's end at {}",
+                                resolution, resolution * words, widest),
+                    fmt::format("use at most {}", widest / words));
     }
-
-    auto make = [&](rhi::Texture& texture, const rhi::TextureDesc& desc) {
-        return device.create_texture(desc).map([&](rhi::Texture made) { texture = std::move(made); });
-    };
     rhi::TextureDesc sums = volume_desc("voxels.sums", Format::r32_uint, resolution);
     sums.extent.width *= words;
-    auto textures = make(volume.sums_, sums)
-                        .and_then([&] { return make(volume.albedo_, volume_desc("voxels.albedo", Format::rgba8_unorm, resolution)); })
-                        .and_then([&] { return make(volume.area_, volume_desc("voxels.area", Format::r8_unorm, resolution)); })
-                        .and_then([&] { return make(volume.lit_texels_, volume_desc("voxels.lit_texels", Format::r32_uint, needs.sunlight ? resolution : 1)); })
-                        .and_then([&] { return make(volume.radiance_, volume_desc("voxels.radiance", Format::rgba8_unorm, resolution, true)); });
-    if (textures && needs.emission) {
-        textures = make(volume.emission_, volume_desc("voxels.emission", Format::rgba8_unorm, resolution, true));
-    }
-    if (!textures) return tl::unexpected(textures.error());
 
-    auto keep = [](auto& pipeline) {
-        return [&pipeline](auto made) { pipeline = std::move(made); };
+    struct Wanted {
+        rhi::Texture* texture;
+        rhi::TextureDesc desc;
+        bool needed;
     };
-    const rhi::RasterState raster{.cull = rhi::CullMode::none};
-    Result<void> made;
-    for (bool masked : {false, true}) {
-        for (bool emission : {false, true}) {
-            if (!made || (masked && !needs.alpha_mask) || (emission && !needs.emission)) continue;
-            made = device
-                       .create_raster_pipeline<shaders::voxels::voxelize>(
-                           raster, {.alpha_test = masked, .emission = emission, .translucent = needs.translucent})
-                       .map(keep(volume.voxelize_[masked][emission]));
-        }
+    const Wanted wanted[] = {
+        {&sums_, std::move(sums), true},
+        {&albedo_, volume_desc("voxels.albedo", Format::rgba8_unorm, resolution), true},
+        {&area_, volume_desc("voxels.area", Format::r8_unorm, resolution), true},
+        // A program's bindings are all bound: one texel stands for a volume that this frame does without.
+        {&normal_, volume_desc("voxels.normal", Format::rgba8_unorm, needs_.normals ? resolution : 1), true},
+        {&lit_texels_, volume_desc("voxels.lit_texels", Format::r32_uint, needs_.sunlight ? resolution : 1),
+         true},
+        {&radiance_, radiance_desc("voxels.radiance", resolution, needs_.wide_range), true},
+        {&emission_, radiance_desc("voxels.emission", resolution, needs_.wide_range), needs_.emission},
+    };
+    for (const Wanted& w : wanted) {
+        if (!w.needed) continue;
+        Result<rhi::Texture> made = device.create_texture(w.desc);
+        if (!made) return tl::unexpected(made.error());
+        *w.texture = std::move(*made);
     }
-    if (made) {
-        made = device.create_compute_pipeline<shaders::voxels::resolve>({.translucent = needs.translucent})
-                   .map(keep(volume.resolve_));
-    }
-    if (made && needs.emission) {
-        made = device.create_compute_pipeline<shaders::voxels::resolve_emission>({.translucent = needs.translucent})
-                   .map(keep(volume.resolve_emission_));
-    }
-    if (made && needs.sunlight) {
-        made = device.create_compute_pipeline<shaders::voxels::light>().map(keep(volume.light_));
-    }
-    if (made) made = device.create_compute_pipeline<shaders::voxels::inject>().map(keep(volume.inject_));
-    if (made) made = device.create_compute_pipeline<shaders::voxels::mip>().map(keep(volume.mip_));
-    if (!made) return tl::unexpected(made.error());
-    return volume;
+    return {};
 }
 
-void Volume::draw(rhi::Commands& commands, const scene::GeometryView& geometry, bool emitters_only) {
-    {
-        rhi::Pass clear = commands.pass(emitters_only ? "voxels.clear_emission" : "voxels.clear");
-        clear.clear(sums_.view(), std::array<uint32_t, 4>{});
+Result<void> Volume::create_pipelines(rhi::Device& device) {
+    const auto keep = [](auto& pipeline) { return [&pipeline](auto made) { pipeline = std::move(made); }; };
+    for (const bool masked : {false, true}) {
+        for (const bool emission : {false, true}) {
+            if ((masked && !needs_.alpha_mask) || (emission && !needs_.emission)) continue;
+            auto made = device
+                            .create_raster_pipeline<shaders::voxels::voxelize>(
+                                {.cull = rhi::CullMode::none}, {.alpha_test = masked,
+                                                                .emission = emission,
+                                                                .translucent = needs_.translucent,
+                                                                .normals = needs_.normals})
+                            .map(keep(voxelize_[masked][emission]));
+            if (!made) return made;
+        }
     }
+    Result<void> made = device
+                            .create_compute_pipeline<shaders::voxels::resolve>(
+                                {.translucent = needs_.translucent, .normals = needs_.normals})
+                            .map(keep(resolve_));
+    if (made && needs_.emission) {
+        made = device
+                   .create_compute_pipeline<shaders::voxels::resolve_emission>(
+                       {.translucent = needs_.translucent, .normals = needs_.normals})
+                   .map(keep(resolve_emission_));
+    }
+    if (made && needs_.sunlight) {
+        made = device.create_compute_pipeline<shaders::voxels::light>().map(keep(light_));
+    }
+    if (made) made = device.create_compute_pipeline<shaders::voxels::inject>().map(keep(inject_));
+    return made;
+}
+
+void Volume::sum(rhi::Commands& commands, const scene::GeometryView& geometry, bool emission) {
+    commands.pass(emission ? "voxels.clear_emission" : "voxels.clear")
+        .clear(sums_.view(), std::array<uint32_t, 4>{});
+
     const uint32_t side = settings_.resolution;
-    rhi::RasterPass pass = commands.raster_pass(emitters_only ? "voxels.voxelize_emission" : "voxels.voxelize",
+    rhi::RasterPass pass = commands.raster_pass(emission ? "voxels.voxelize_emission" : "voxels.voxelize",
                                                 {.extent = {side, side, 1}});
     for (const scene::DrawView& draw : geometry.draws) {
-        if (emitters_only && !draw.emits) continue;
+        if (emission && !draw.emits) continue;
         const scene::MaterialTextures& textures = geometry.textures[draw.material];
         const bool masked = draw.alpha_mode == scene::AlphaMode::mask;
-        pass.draw(voxelize_[masked][emitters_only],
+        pass.draw(voxelize_[masked][emission],
                   {.vertices = geometry.vertices,
                    .indices = geometry.indices,
                    .instances = geometry.instances,
@@ -138,30 +164,35 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
     grid_ = fit_grid(geometry.bounds, settings_.resolution);
     emission_unit_ = max_emission > 0 ? max_emission : 1;
 
-    draw(commands, geometry, false);
-    {
-        rhi::Pass pass = commands.pass("voxels.resolve");
-        pass.dispatch(resolve_,
-                      {.sums = sums_.mip<Dimension::d3>(0),
-                       .albedo = albedo_.mip<Dimension::d3>(0),
-                       .area = area_.mip<Dimension::d3>(0)},
-                      {}, voxel_groups(settings_.resolution));
-    }
+    sum(commands, geometry, false);
+    commands.pass("voxels.resolve")
+        .dispatch(resolve_,
+                  {.sums = sums_.mip<Dimension::d3>(0),
+                   .albedo = albedo_.mip<Dimension::d3>(0),
+                   .area = area_.mip<Dimension::d3>(0),
+                   .normal = normal_.mip<Dimension::d3>(0)},
+                  {}, voxel_groups(settings_.resolution));
     if (!needs_.emission) return;
-    draw(commands, geometry, true);
-    rhi::Pass pass = commands.pass("voxels.resolve_emission");
+
+    sum(commands, geometry, true);
+    rhi::Pass pass = commands.pass("voxels.emission");
     pass.dispatch(resolve_emission_,
                   {.sums = sums_.mip<Dimension::d3>(0),
+                   .albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
                    .emission = emission_.mip<Dimension::d3>(0)},
                   {}, voxel_groups(settings_.resolution));
-    make_mips(pass, emission_);
+    mips_.record(pass, emission_);
 }
 
 void Volume::inject(rhi::Commands& commands, const SunLight* sun) {
     const glm::vec3 irradiance = sun ? sun->irradiance : glm::vec3(0);
-    // The most that a surface of albedo 1 facing the sun sends out.
-    radiance_unit_ = highest(irradiance) > 0 ? highest(irradiance) / glm::pi<float>() : 1;
+    // Stored radiance is 1 for a white surface that faces the sun, or that an emitter touches.
+    const float unit =
+        std::max(highest(irradiance) / glm::pi<float>(), needs_.emission ? emission_unit_ : 0.0f);
+    injected_ = {.irradiance = irradiance,
+                 .texel_voxel_faces = sun ? sun->texel_area / (grid_.voxel_size * grid_.voxel_size) : 0,
+                 .radiance_scale = unit > 0 ? 1 / unit : 1};
 
     if (sun) {
         rhi::Pass pass = commands.pass("voxels.light");
@@ -183,30 +214,16 @@ void Volume::inject(rhi::Commands& commands, const SunLight* sun) {
                    .area = area_.mip<Dimension::d3>(0),
                    .lit_texels = lit_texels_.mip<Dimension::d3>(0),
                    .radiance = radiance_.mip<Dimension::d3>(0)},
-                  {.irradiance = irradiance,
-                   .texel_voxel_faces = sun ? sun->texel_area / (grid_.voxel_size * grid_.voxel_size) : 0,
-                   .radiance_scale = 1 / radiance_unit_},
-                  voxel_groups(settings_.resolution));
-    make_mips(pass, radiance_);
-}
-
-void Volume::make_mips(rhi::Pass& pass, const rhi::Texture& volume) {
-    for (uint32_t level = 1; level < volume.desc().mips; ++level) {
-        const uint32_t groups = rhi::groups_for(std::max(settings_.resolution >> level, 1u), 4);
-        pass.dispatch(mip_,
-                      {.finer = volume.mip<Dimension::d3>(level - 1), .coarser = volume.mip<Dimension::d3>(level)}, {},
-                      {groups, groups, groups});
-    }
+                  injected_, voxel_groups(settings_.resolution));
+    mips_.record(pass, radiance_);
 }
 
 View Volume::view() const {
-    const rhi::Texture& emission = needs_.emission ? emission_ : radiance_;
     return {.grid = grid_,
             .radiance = radiance_.view<Dimension::d3>(),
-            .emission = emission.view<Dimension::d3>(),
-            .radiance_unit = radiance_unit_,
-            .emission_unit = emission_unit_,
-            .has_emission = needs_.emission};
+            .emission = (needs_.emission ? emission_ : radiance_).view<Dimension::d3>(),
+            .radiance_unit = 1 / injected_.radiance_scale,
+            .emission_unit = emission_unit_};
 }
 
 }  // namespace lumo::voxels

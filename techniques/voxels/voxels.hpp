@@ -1,8 +1,10 @@
 // A voxel volume of the scene: its surfaces, and the light that leaves them, in volume textures.
 //
-// voxelize() sums base colour (and emission) per voxel by the rasterizer and resolves them to means; inject() turns
-// the sun's light, as the shadow map saw it, into outgoing radiance; both end in isotropic mips that cones sample.
-// Values are 8 bits (the paper's LDR). Sums are integers, so both APIs get the same voxels.
+// voxelize() sums base colour (and emission) per voxel by the rasterizer and resolves them to means; inject()
+// turns the sun's light, as the shadow map saw it, into outgoing radiance; both end in isotropic mips that
+// cones sample. Colours have 8 bits (the paper's LDR); radiance has 8 bits where the sun is the only light,
+// and half floats where emitters or an environment make it differ too much. Sums are integers: both APIs get
+// the same voxels.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +14,10 @@
 #include "scene/gpu_scene.hpp"
 #include "shaders/voxels/inject.hpp"
 #include "shaders/voxels/light.hpp"
-#include "shaders/voxels/mip.hpp"
 #include "shaders/voxels/resolve.hpp"
 #include "shaders/voxels/resolve_emission.hpp"
 #include "shaders/voxels/voxelize.hpp"
+#include "techniques/voxels/mips.hpp"
 
 namespace lumo::voxels {
 
@@ -29,81 +31,96 @@ struct Needs {
     bool alpha_mask = false;   ///< some surface is cut out by its texture's alpha
     bool translucent = false;  ///< some surface is blended
     bool sunlight = false;     ///< there is a sun to inject
+    bool normals = false;      ///< light is reflected on from voxel to voxel
+    bool wide_range = false;   ///< radiance needs more than 8 bits
 };
 
 /// Where the grid lies: a cube around the scene's bounds, world space.
 struct Grid {
-    glm::vec3 origin{0};    ///< corner, metres
-    float voxel_size = 1;   ///< metres
+    glm::vec3 origin{0};   ///< corner, metres
+    float voxel_size = 1;  ///< metres
     uint32_t resolution = 128;
 };
 
-/// The smallest grid that holds the bounds with half a voxel around them, so that walls on the bounds lie inside
-/// voxels instead of on their faces.
+/// The smallest grid that holds the bounds with half a voxel around them, so that walls on the bounds lie
+/// inside voxels instead of on their faces.
 Grid fit_grid(const scene::Bounds& bounds, uint32_t resolution);
 
 /// The sun's light as its shadow map saw it.
 struct SunLight {
     rhi::Sampled<rhi::Dimension::d2> shadow_depth;  ///< orthographic, depth 1 where nothing was hit
-    uint32_t shadow_resolution = 0;  ///< texels a side
+    uint32_t shadow_resolution = 0;                 ///< texels a side
     glm::mat4 world_from_light_clip{1};
-    float texel_area = 0;              ///< of a shadow texel on a plane facing the sun, m²
+    float texel_area = 0;  ///< of a shadow texel on a plane facing the sun, m²
     glm::vec3 direction_to_sun{0, 1, 0};
-    glm::vec3 irradiance{0};           ///< W/m² on that plane
+    glm::vec3 irradiance{0};  ///< W/m² on that plane
 };
 
-/// What cones read. Volumes hold values times opacity, 0 to 1; times their unit they are W/m²/sr.
+/// What cones read. Volumes hold values times opacity; times their unit they are W/m²/sr.
 struct View {
     Grid grid;
     rhi::View<rhi::Dimension::d3> radiance;  ///< a: opacity; all mips
     rhi::View<rhi::Dimension::d3> emission;  ///< all mips; the radiance volume again where nothing emits
     float radiance_unit = 1;
     float emission_unit = 1;
-    bool has_emission = false;
 };
 
 class Volume {
   public:
-    /// Errors: those of the device; limit when the device's 3D textures are too small for the resolution.
+    /// Errors: those of the device; limit when its 3D textures are too small for the resolution.
     static Result<Volume> create(rhi::Device& device, const Settings& settings, const Needs& needs);
 
-    /// Fills albedo, area and emission from geometry. `max_emission` is the highest radiance emitted, W/m²/sr.
+    /// Fills albedo, area, normal and emission from geometry. `max_emission` is the highest radiance of any
+    /// emitter, W/m²/sr.
     void voxelize(rhi::Commands& commands, const scene::GeometryView& geometry, float max_emission);
-    /// Fills the radiance from the sun, or from nothing, and makes its mips.
+    /// Fills the radiance from the sun, or with opacity alone, and makes its mips.
     void inject(rhi::Commands& commands, const SunLight* sun);
 
     View view() const;
-    /// Level 0, for inspection and tests.
-    const rhi::Texture& albedo() const { return albedo_; }
-    const rhi::Texture& area() const { return area_; }
-    const rhi::Texture& lit_texels() const { return lit_texels_; }
+    const Settings& settings() const { return settings_; }
+    /// The sun as inject() was given it: irradiance, and a shadow texel's area in voxel faces.
+    const shaders::voxels::inject::Push& injected() const { return injected_; }
+
+    const rhi::Texture& albedo() const { return albedo_; }  ///< rgba8_unorm; a: opacity, 0 where empty
+    const rhi::Texture& area() const { return area_; }      ///< r8_unorm, encode_area of voxel_grid.glsl
+    const rhi::Texture& normal() const { return normal_; }  ///< rgba8_unorm, mean normal * 0.5 + 0.5
+    const rhi::Texture& lit_texels() const { return lit_texels_; }  ///< r32_uint
     const rhi::Texture& radiance() const { return radiance_; }
     const rhi::Texture& emission() const { return emission_; }
+    const Mips& mips() const { return mips_; }
 
   private:
-    void draw(rhi::Commands& commands, const scene::GeometryView& geometry, bool emitters_only);
-    void make_mips(rhi::Pass& pass, const rhi::Texture& volume);
+    Result<void> create_textures(rhi::Device& device);
+    Result<void> create_pipelines(rhi::Device& device);
+    void sum(rhi::Commands& commands, const scene::GeometryView& geometry, bool emission);
 
     Settings settings_;
     Needs needs_;
     Grid grid_;
-    float radiance_unit_ = 1;
     float emission_unit_ = 1;
+    shaders::voxels::inject::Push injected_{};
 
-    rhi::Texture sums_;
+    rhi::Texture sums_;  ///< layout: shaders/voxels/accumulator.glsl
     rhi::Texture albedo_;
     rhi::Texture area_;
+    rhi::Texture normal_;
     rhi::Texture lit_texels_;
     rhi::Texture radiance_;
     rhi::Texture emission_;
 
-    /// By alpha test, then by what is summed.
+    /// By alpha test, then by what is summed: colour or emission.
     rhi::RasterPipeline<shaders::voxels::voxelize> voxelize_[2][2];
     rhi::ComputePipeline<shaders::voxels::resolve> resolve_;
     rhi::ComputePipeline<shaders::voxels::resolve_emission> resolve_emission_;
     rhi::ComputePipeline<shaders::voxels::light> light_;
     rhi::ComputePipeline<shaders::voxels::inject> inject_;
-    rhi::ComputePipeline<shaders::voxels::mip> mip_;
+    Mips mips_;
 };
+
+/// The volume that light is stored in: cubic, with all mips.
+rhi::TextureDesc radiance_desc(std::string name, uint32_t resolution, bool wide_range);
+
+/// Groups of the programs that run once per voxel.
+rhi::Groups voxel_groups(uint32_t resolution);
 
 }  // namespace lumo::voxels

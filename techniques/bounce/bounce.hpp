@@ -1,0 +1,56 @@
+// Light reflected on from voxel to voxel.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "rhi/rhi.hpp"
+#include "shaders/bounce/bounce.hpp"
+#include "techniques/cones/distribution.hpp"
+#include "techniques/voxels/voxels.hpp"
+
+namespace lumo::bounce {
+
+struct Settings {
+    uint32_t bounces =
+        1;  ///< reflections before the light reaches the surface that the camera sees, at least 1
+    int cones = 9;
+};
+
+/// What lights the scene beside the sun.
+struct Needs {
+    bool emission = false;
+    bool environment = false;
+    bool wide_range = false;  ///< as voxels::Needs
+
+    bool any_light() const { return emission || environment; }
+};
+
+/// Gathers needed for a number of bounces: the sun's first reflection is injected, that of emitters and
+/// environment is gathered.
+constexpr uint32_t gathers(const Settings& settings, const Needs& needs) {
+    return settings.bounces - (needs.any_light() ? 0 : 1);
+}
+
+class Bounce {
+  public:
+    /// gathers() is at least 1. Errors: those of the device.
+    static Result<Bounce> create(rhi::Device& device, const Settings& settings, const Needs& needs,
+                                 const voxels::Settings& volume);
+
+    /// The light of `volume` after the injection, and what it became after all bounces: the same view with
+    /// another radiance. `environment` as in cones.
+    voxels::View record(rhi::Commands& commands, const voxels::Volume& volume, glm::vec3 environment);
+
+  private:
+    Settings settings_;
+    Needs needs_;
+    cones::Distribution distribution_;
+    std::array<rhi::Texture, 2> radiance_;  ///< written in turn; the second only for two gathers or more
+    rhi::Sampler volume_sampler_;
+    rhi::ComputePipeline<shaders::bounce::bounce> first_;  ///< leaves reflected light out
+    rhi::ComputePipeline<shaders::bounce::bounce> next_;
+};
+
+}  // namespace lumo::bounce

@@ -1,0 +1,24 @@
+#include "techniques/cones/gather.hpp"
+
+#include <cmath>
+
+namespace lumo::cones {
+
+GatherBlock gather_block(const Distribution& distribution, const voxels::View& volume,
+                         glm::vec3 environment) {
+    GatherBlock block{};
+    block.grid_origin = volume.grid.origin;
+    block.voxels_per_metre = 1 / volume.grid.voxel_size;
+    block.radiance_unit = volume.radiance_unit;
+    block.emission_unit = volume.emission_unit;
+    block.cone_count = int32_t(distribution.cones.size());
+    block.tan_half_aperture = std::tan(distribution.tracing_half_angle);
+    block.environment = environment;
+    block.resolution = float(volume.grid.resolution);
+    for (size_t i = 0; i < distribution.cones.size(); ++i) {
+        block.cones[i] = glm::vec4(distribution.cones[i].direction, distribution.cones[i].weight);
+    }
+    return block;
+}
+
+}  // namespace lumo::cones

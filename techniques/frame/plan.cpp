@@ -1,0 +1,96 @@
+#include "techniques/frame/plan.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace lumo::frame {
+
+SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
+    SceneFacts facts{.triangles = scene.triangle_count()};
+    for (const scene::Instance& instance : scene.instances) {
+        for (const scene::Primitive& primitive : scene.meshes[instance.mesh].primitives) {
+            const scene::Material& material = scene.materials[primitive.material];
+            facts.opaque |= material.alpha_mode == scene::AlphaMode::opaque;
+            facts.alpha_mask |= material.alpha_mode == scene::AlphaMode::mask;
+            facts.alpha_blend |= material.alpha_mode == scene::AlphaMode::blend;
+            facts.unlit |= material.unlit;
+            facts.normal_maps |= material.normal_texture.has_value() && !settings.diffuse_materials;
+            facts.specular |= !material.unlit && !settings.diffuse_materials;
+            if (material.emits()) {
+                facts.emission = true;
+                facts.highest_emission = std::max(
+                    {facts.highest_emission, material.emission.r, material.emission.g, material.emission.b});
+            }
+        }
+    }
+    facts.environment = scene.environment_radiance != glm::vec3(0);
+    facts.sun = std::any_of(scene.lights.begin(), scene.lights.end(), [](const scene::Light& light) {
+        return light.kind == scene::LightKind::directional && light.intensity != glm::vec3(0);
+    });
+    return facts;
+}
+
+bool Plan::needs(std::string_view what) const {
+    const auto item =
+        std::find_if(items.begin(), items.end(), [&](const PlanItem& i) { return i.what == what; });
+    return item != items.end() && item->needed;
+}
+
+Plan make_plan(const SceneFacts& facts, const Settings& settings) {
+    Plan plan;
+    const auto decide = [&](std::string what, bool needed, std::string if_needed, std::string if_not) {
+        const bool forced = !needed && settings.plan == PlanMode::full;
+        plan.items.push_back({std::move(what), needed || forced,
+                              needed   ? std::move(if_needed)
+                              : forced ? "forced: " + if_not
+                                       : std::move(if_not)});
+    };
+
+    const bool surfaces = facts.triangles > 0;
+    const bool light = facts.sun || facts.emission || facts.environment;
+    const bool gi = settings.gi && surfaces && light;
+    const std::string no_gi = !settings.gi ? "indirect light is off"
+                              : !surfaces  ? "the scene has no triangles"
+                                           : "the scene has no light";
+
+    decide("gbuffer", surfaces, fmt::format("{} triangles", facts.triangles), "the scene has no triangles");
+    decide("gbuffer.mask", facts.alpha_mask, "some materials are cut out by alpha",
+           "no material has alpha mode MASK");
+    decide("gbuffer.normal_maps", facts.normal_maps, "some materials have normal maps",
+           settings.diffuse_materials ? "materials are taken as diffuse" : "no material has a normal map");
+    decide("gbuffer.emission", facts.emission || facts.unlit, "some materials emit or are unlit",
+           "no material emits or is unlit");
+    decide("shadow", facts.sun && surfaces, "a directional light casts shadows",
+           facts.sun ? "the scene has no triangles" : "the scene has no directional light");
+    decide("voxels", gi, fmt::format("indirect light, {0} x {0} x {0}", settings.voxels.resolution), no_gi);
+    decide("voxels.mask", gi && facts.alpha_mask, "some materials are cut out by alpha",
+           gi ? "no material has alpha mode MASK" : no_gi);
+    decide("voxels.opacity", gi && facts.alpha_blend, "some materials are blended",
+           gi ? "no material has alpha mode BLEND" : no_gi);
+    decide("voxels.emission", gi && facts.emission, "some materials emit", gi ? "no material emits" : no_gi);
+    decide("voxels.sunlight", gi && facts.sun, "the sun's light is injected",
+           gi ? "the scene has no directional light" : no_gi);
+    decide("voxels.bounce", gi && (facts.emission || facts.environment),
+           "light of emitters or the environment is reflected once more",
+           gi ? "all light is the sun's, which is injected" : no_gi);
+    decide("cones", gi, fmt::format("{} cones a pixel", settings.cones.count), no_gi);
+    decide("cones.environment", gi && facts.environment, "light comes from outside the scene",
+           gi ? "the environment is black" : no_gi);
+    decide("lighting", surfaces, "surfaces are shaded", "the scene has no triangles");
+    decide("lighting.specular", facts.specular, "materials have a specular lobe",
+           settings.diffuse_materials ? "materials are taken as diffuse" : "every material is unlit");
+    decide("blend", facts.alpha_blend, "some materials are blended", "no material has alpha mode BLEND");
+    decide("post", settings.wants(Layer::final), "the picture is for a display",
+           "no layer is display-referred");
+    return plan;
+}
+
+std::string to_text(const Plan& plan) {
+    std::string text;
+    for (const PlanItem& item : plan.items) {
+        text += fmt::format("  {:<8} {:<22} {}\n", item.needed ? "needed" : "left out", item.what, item.why);
+    }
+    return text;
+}
+
+}  // namespace lumo::frame

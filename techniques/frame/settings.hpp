@@ -1,0 +1,52 @@
+// What a user chooses about a frame.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "rhi/work.hpp"
+#include "techniques/cones/cones.hpp"
+#include "techniques/post/post.hpp"
+#include "techniques/shadow/shadow.hpp"
+#include "techniques/voxels/voxels.hpp"
+
+namespace lumo::frame {
+
+/// The pictures that a frame can hand out. All but final are linear and unexposed.
+enum class Layer : uint8_t {
+    final,       ///< display-referred, rgba8_unorm
+    radiance,    ///< direct + indirect + emission, W/m²/sr
+    direct,      ///< reflected light of analytic lights
+    indirect,    ///< reflected light that cones gathered
+    irradiance,  ///< what indirect reflects, W/m²
+    emission,
+    albedo,
+    normal,  ///< shading normal, world space
+    depth,   ///< distance along the optical axis, metres; 0 where nothing is
+    voxels,  ///< radiance of the voxels as the camera sees them
+};
+inline constexpr int layer_count = int(Layer::voxels) + 1;
+std::string_view to_string(Layer layer);
+std::optional<Layer> layer_from_string(std::string_view name);
+
+enum class PlanMode : uint8_t { automatic, full };
+
+struct Settings {
+    rhi::Extent size{960, 540};  ///< pixels
+    bool gi = true;
+    bool diffuse_materials = false;
+    uint32_t bounces = 1;
+    std::vector<Layer> layers{Layer::final};
+    PlanMode plan = PlanMode::automatic;
+    voxels::Settings voxels;
+    cones::Settings cones;
+    shadow::Settings shadow;
+    post::Settings post;
+
+    bool wants(Layer layer) const;
+};
+
+}  // namespace lumo::frame
