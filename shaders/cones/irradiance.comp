@@ -17,9 +17,11 @@ void main() {
 
     vec3 gathered = vec3(0);
     float pixel_depth = texelFetch(depth, pixel, 0).r;
-    if (pixel_depth < 1.0) {
+    vec3 geometric_normal = texelFetch(geometric_normal_occlusion, pixel, 0).xyz;
+    // Unlit surfaces have no normal.
+    if (pixel_depth < 1.0 && geometric_normal != vec3(0)) {
         gathered = gather_irradiance(gather_position(world_from_pixel(vec2(pixel) + 0.5, pixel_depth)),
-                                     texelFetch(geometric_normal_occlusion, pixel, 0).xyz,
+                                     geometric_normal,
                                      normalize(texelFetch(normal_roughness, pixel, 0).xyz));
     }
     imageStore(irradiance, pixel, vec4(gathered, 1));
