@@ -113,59 +113,47 @@ class GlBackend final : public rhi::Backend {
     rhi::FormatCaps format_caps(rhi::Format format) const override { return caps_[size_t(format)]; }
 
     Result<rhi::CreatedBuffer> create_buffer(rhi::BufferHandle handle, const rhi::BufferDesc& desc) override {
-        context_->make_current();
-        return resources_.create(handle, desc);
+        return current().resources_.create(handle, desc);
     }
     Result<uint64_t> create_texture(rhi::TextureHandle handle, const rhi::TextureDesc& desc) override {
-        context_->make_current();
-        return resources_.create(handle, desc);
+        return current().resources_.create(handle, desc);
     }
     Result<void> create_sampler(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) override {
-        context_->make_current();
-        return resources_.create(handle, desc);
+        return current().resources_.create(handle, desc);
     }
     Result<void> create_pipeline(rhi::PipelineHandle handle, const rhi::ProgramInfo& program,
                                  std::span<const uint32_t> options, const rhi::RasterState* raster) override;
 
-    void destroy(rhi::BufferHandle handle) override { destroy_resource(handle); }
-    void destroy(rhi::TextureHandle handle) override { destroy_resource(handle); }
-    void destroy(rhi::SamplerHandle handle) override { destroy_resource(handle); }
+    void destroy(rhi::BufferHandle handle) override { current().unbound().resources_.destroy(handle); }
+    void destroy(rhi::TextureHandle handle) override { current().unbound().resources_.destroy(handle); }
+    void destroy(rhi::SamplerHandle handle) override { current().unbound().resources_.destroy(handle); }
     void destroy(rhi::PipelineHandle handle) override {
-        context_->make_current();
-        state_.forget();
-        glDeleteProgram(std::exchange(pipelines_[handle.index], {}).program);
+        glDeleteProgram(std::exchange(current().unbound().pipelines_[handle.index], {}).program);
     }
 
-    Result<void> begin(uint64_t serial) override {
-        context_->make_current();
-        return timeline_.begin(serial);
-    }
+    Result<void> begin(uint64_t serial) override { return current().timeline_.begin(serial); }
     void emit(const rhi::EmittedPass& pass) override;
     Result<void> submit() override {
-        context_->make_current();
-        if (auto submitted = timeline_.submit(); !submitted) return submitted;
-        return check_errors("submission");
+        return current().timeline_.submit().and_then([] { return check_errors("submission"); });
     }
-    uint64_t completed() override {
-        context_->make_current();
-        return timeline_.completed();
-    }
-    Result<void> wait(uint64_t serial) override {
-        context_->make_current();
-        return timeline_.wait(serial);
-    }
+    uint64_t completed() override { return current().timeline_.completed(); }
+    Result<void> wait(uint64_t serial) override { return current().timeline_.wait(serial); }
     std::vector<rhi::PassStamp> stamps(uint64_t serial) override {
-        context_->make_current();
-        return timeline_.stamps(serial);
+        return current().timeline_.stamps(serial);
     }
     rhi::MemoryBudget memory_budget() override;
 
   private:
-    template <class Handle>
-    void destroy_resource(Handle handle) {
+    /// With its context current, as every call of OpenGL needs.
+    GlBackend& current() {
         context_->make_current();
-        state_.forget();  // names are used again
-        resources_.destroy(handle);
+        return *this;
+    }
+    /// OpenGL gives names of deleted objects to new ones, so what is bound by name is not known after a
+    /// deletion.
+    GlBackend& unbound() {
+        state_.forget();
+        return *this;
     }
 
     void begin_targets(const rhi::RasterTargets& targets);
@@ -272,12 +260,7 @@ void GlBackend::begin_targets(const rhi::RasterTargets& targets) {
         glInvalidateNamedFramebufferData(framebuffer, GLsizei(discarded.size()), discarded.data());
     }
 
-    rhi::Extent extent = targets.extent;
-    const rhi::TextureView* first = !targets.color.empty() ? &targets.color.front().view
-                                    : targets.depth        ? &targets.depth->view
-                                                           : nullptr;
-    if (first) extent = rhi::mip_extent(resources_.texture(first->texture).desc.extent, first->first_mip);
-    state_.viewport({0, 0, float(extent.width), float(extent.height)});
+    state_.viewport({0, 0, float(targets.extent.width), float(targets.extent.height)});
 }
 
 void GlBackend::end_targets(const rhi::RasterTargets& targets) {
@@ -287,8 +270,7 @@ void GlBackend::end_targets(const rhi::RasterTargets& targets) {
                          to = resources_.attachment(*target.resolve);
         const GLuint source = resources_.framebuffer({&from, 1}, nullptr, {}, 1);
         const GLuint destination = resources_.framebuffer({&to, 1}, nullptr, {}, 1);
-        const rhi::Extent extent = resources_.texture(target.view.texture).desc.extent;
-        const auto width = GLint(extent.width), height = GLint(extent.height);
+        const auto width = GLint(targets.extent.width), height = GLint(targets.extent.height);
         state_.open_masks();
         glBlitNamedFramebuffer(source, destination, 0, 0, width, height, 0, 0, width, height,
                                GL_COLOR_BUFFER_BIT, GL_NEAREST);

@@ -8,7 +8,9 @@
 
 namespace lumo::backends::gl {
 
-/// Headless, by EGL device enumeration, then surfaceless.
+/// Headless, by EGL device enumeration, then surfaceless. A device is used on the thread that made it;
+/// several of one thread may be used in turn. Its context stays current on that thread until another is made
+/// so. Errors: no_device, with what was found.
 Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc);
 std::vector<rhi::DeviceInfo> list_devices();
 
