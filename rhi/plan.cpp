@@ -37,8 +37,8 @@ std::vector<Barrier> HazardTracker::enter(const Scope& scope) {
         const Reach reach = reach_of(use.access, use.stages);
         const bool written = state.write != Access::none;
         const bool touched = written || state.reads != Access::none;
-        const bool joins_run = scope.unordered && use.commutative && state.commutative && !moves &&
-                               state.reads == Access::none && (reach & ~state.run_visible) == 0;
+        const bool in_run = use.commutative && state.commutative && !moves && state.reads == Access::none;
+        const bool joins_run = scope.unordered && in_run && (reach & ~state.run_visible) == 0;
         const bool waits = moves || (writes ? touched && !joins_run
                                             : (written || state.moved) && (reach & ~state.visible) != 0);
         if (waits) {
@@ -59,11 +59,12 @@ std::vector<Barrier> HazardTracker::enter(const Scope& scope) {
             state.write |= use.access;
             state.write_stages |= use.stages;
         } else if (writes) {
+            const Reach before_visible = in_run ? state.run_visible : Reach{0};
             state = {.write = use.access,
                      .write_stages = use.stages,
                      .layout = use.layout,
                      .commutative = use.commutative,
-                     .run_visible = waits ? reach : everything};
+                     .run_visible = waits ? before_visible | reach : everything};
         } else {
             if (moves) {
                 state.reads = Access::none;
