@@ -1,0 +1,60 @@
+// A translucent surface, shaded where it is drawn: what it reflects and emits, and its opacity. The vertex stage is
+// the G-buffer's.
+#include "gbuffer/interface.glsl"
+#define EMISSION_TEXTURE 8
+#define SHADOW 9
+#define SHADOW_MAP 10
+#define LIGHT 11
+#include "common/brdf.glsl"
+#include "common/camera.glsl"
+#include "common/material.glsl"
+#include "common/shadow.glsl"
+#include "lighting/light_block.glsl"
+#ifdef INDIRECT
+const int gather_binding = 12;
+#include "cones/gather.glsl"
+#endif
+
+layout(constant_id = 0) const bool sun = false;
+layout(constant_id = 1) const bool diffuse_materials = false;
+
+layout(location = 0) in vec3 in_normal;
+layout(location = 1) in vec4 in_tangent;
+layout(location = 2) in vec4 in_uv;
+layout(location = 3) in vec4 in_color;
+layout(location = 4) flat in float in_handedness;
+
+layout(location = 0) out vec4 out_radiance;  // not premultiplied
+
+void main() {
+    uint material = draw.material;
+    vec2 uv0 = in_uv.xy;
+    vec2 uv1 = in_uv.zw;
+    vec4 base_color = material_base_color(material, uv0, uv1, in_color);
+    if (is_unlit(material)) {
+        out_radiance = base_color;
+        return;
+    }
+    vec2 metallic_roughness = vec2(0, 1);
+    float occlusion = 1;
+    if (!diffuse_materials) {
+        metallic_roughness = material_metallic_roughness(material, uv0, uv1);
+        occlusion = material_occlusion(material, uv0, uv1);
+    }
+    float side = gl_FrontFacing == (in_handedness > 0) ? 1 : -1;
+    vec3 geometric_normal = side * normalize(in_normal + vec3(0, 1e-12, 0));
+    vec3 normal = side * material_normal(material, uv0, uv1, in_normal, in_tangent);
+    vec3 position = world_from_pixel(gl_FragCoord.xy, gl_FragCoord.z);
+    Surface surface = make_surface(base_color.rgb, metallic_roughness.x, metallic_roughness.y);
+
+    vec3 radiance = material_emission(material, uv0, uv1);
+    if (sun)
+        radiance += light.sun_irradiance * sun_visibility(position, geometric_normal) *
+                    reflect_direct(surface, normal, direction_to_eye(position), shadow.direction.xyz,
+                                   diffuse_materials);
+#ifdef INDIRECT
+    radiance += surface.diffuse / pi * occlusion *
+                gather_irradiance(gather_position(position), geometric_normal, normal);
+#endif
+    out_radiance = vec4(radiance, base_color.a);
+}

@@ -1,0 +1,3 @@
+// As blended, lit by cones too.
+#define INDIRECT
+#include "lighting/blended.glsl"

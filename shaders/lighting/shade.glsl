@@ -1,0 +1,66 @@
+// Radiance toward the eye at every pixel of the G-buffer: reflected sunlight, reflected indirect light, emission, and
+// the environment where nothing is.
+#define CAMERA 7
+#define SHADOW 8
+#define SHADOW_MAP 6
+#define LIGHT 9
+#include "common/brdf.glsl"
+#include "common/camera.glsl"
+#include "common/shadow.glsl"
+#include "lighting/light_block.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(constant_id = 0) const bool sun = false;
+layout(constant_id = 1) const bool indirect_light = false;
+layout(constant_id = 2) const bool emission = false;
+layout(constant_id = 3) const bool diffuse_materials = false;
+
+layout(binding = 0) uniform sampler2D depth;
+layout(binding = 1) uniform sampler2D base_color_metallic;
+layout(binding = 2) uniform sampler2D normal_roughness;
+layout(binding = 3) uniform sampler2D geometric_normal_occlusion;
+layout(binding = 4) uniform sampler2D emission_target;
+layout(binding = 5) uniform sampler2D irradiance;
+layout(binding = 10, rgba32f) writeonly uniform image2D out_radiance;
+#ifdef LAYERS
+layout(binding = 11, rgba32f) writeonly uniform image2D out_direct;
+layout(binding = 12, rgba32f) writeonly uniform image2D out_indirect;
+#endif
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, imageSize(out_radiance)))) return;
+
+    float pixel_depth = texelFetch(depth, pixel, 0).x;
+    vec3 direct = vec3(0);
+    vec3 indirect = vec3(0);
+    vec3 unreflected = vec3(0);
+    if (pixel_depth == 1) {
+        unreflected = light.environment;
+    } else {
+        vec4 stored_normal = texelFetch(normal_roughness, pixel, 0);
+        if (emission) unreflected = texelFetch(emission_target, pixel, 0).rgb;
+        // Unlit surfaces have no normal.
+        if (stored_normal.xyz != vec3(0)) {
+            vec4 base_color = texelFetch(base_color_metallic, pixel, 0);
+            vec4 geometric = texelFetch(geometric_normal_occlusion, pixel, 0);
+            vec3 normal = normalize(stored_normal.xyz);
+            Surface surface = make_surface(base_color.rgb, base_color.a, stored_normal.w);
+            if (sun) {
+                vec3 position = world_from_pixel(vec2(pixel) + 0.5, pixel_depth);
+                vec3 reflected = reflect_direct(surface, normal, direction_to_eye(position), shadow.direction.xyz,
+                                                diffuse_materials);
+                if (reflected != vec3(0))
+                    direct = reflected * light.sun_irradiance * sun_visibility(position, normalize(geometric.xyz));
+            }
+            if (indirect_light)
+                indirect = surface.diffuse / pi * geometric.w * texelFetch(irradiance, pixel, 0).rgb;
+        }
+    }
+    imageStore(out_radiance, pixel, vec4(direct + indirect + unreflected, 1));
+#ifdef LAYERS
+    imageStore(out_direct, pixel, vec4(direct, 1));
+    imageStore(out_indirect, pixel, vec4(indirect, 1));
+#endif
+}

@@ -1,0 +1,199 @@
+#include "techniques/lighting/lighting.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace lumo::lighting {
+
+using rhi::CullMode;
+using rhi::Dimension;
+using rhi::Format;
+using LightBlock = shaders::lighting::shade::Light;
+
+Needs blend_needs_of(const scene::GeometryView& geometry) {
+    Needs needs;
+    for (const scene::DrawView& draw : geometry.draws) {
+        if (draw.alpha_mode != scene::AlphaMode::blend) continue;
+        needs.blend = true;
+        needs.blend_double_sided |= draw.double_sided;
+        needs.blend_mirrored |= draw.mirrored;
+    }
+    return needs;
+}
+
+template <class P>
+Result<void> Lighting::make_blend_pipelines(rhi::Device& device, BlendPipelines<P>& pipelines,
+                                            const typename P::Options& options) {
+    using rhi::BlendFactor;
+    const rhi::BlendState over{.source_color = BlendFactor::source_alpha,
+                               .destination_color = BlendFactor::one_minus_source_alpha,
+                               .source_alpha = BlendFactor::one,
+                               .destination_alpha = BlendFactor::one_minus_source_alpha};
+    rhi::RasterState state{.color = {{.format = Format::rgba32_float, .blend = over}},
+                           .depth = rhi::DepthState{.write = false}};
+    for (const CullMode cull : {CullMode::back, CullMode::front}) {
+        if (cull == CullMode::front && !needs_.blend_double_sided && !needs_.blend_mirrored) continue;
+        state.cull = cull;
+        auto pipeline = device.create_raster_pipeline<P>(state, options);
+        if (!pipeline) return tl::unexpected(std::move(pipeline.error()));
+        pipelines[size_t(cull)] = std::move(*pipeline);
+    }
+    return {};
+}
+
+Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const Needs& needs) {
+    if (needs.blend && !rhi::has(device.format_caps(Format::rgba32_float), rhi::FormatCaps::blend))
+        return fail(ErrorKind::unsupported, "blended surfaces", "this device cannot blend rgba32_float");
+    Lighting made;
+    made.needs_ = needs;
+    const auto make_target = [&](rhi::Texture& target, const char* name, rhi::TextureUsage more) {
+        return device
+            .create_texture({.name = name,
+                             .format = Format::rgba32_float,
+                             .extent = size,
+                             .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::storage | more})
+            .map([&](rhi::Texture texture) { target = std::move(texture); });
+    };
+    const auto blend_usage = needs.blend ? rhi::TextureUsage::attachment : rhi::TextureUsage::none;
+    auto done = make_target(made.radiance_, "lighting.radiance", blend_usage).and_then([&] {
+        return device
+            .create_sampler(
+                {.magnification = rhi::FilterMode::nearest, .minification = rhi::FilterMode::nearest})
+            .map([&](rhi::Sampler sampler) { made.sampler_ = std::move(sampler); });
+    });
+    const auto make_shade = [&]<class P>(rhi::ComputePipeline<P>& pipeline) {
+        return device
+            .create_compute_pipeline<P>({.sun = needs.sun,
+                                         .indirect_light = needs.indirect,
+                                         .emission = needs.emission,
+                                         .diffuse_materials = needs.diffuse_materials})
+            .map([&](rhi::ComputePipeline<P> shade) { pipeline = std::move(shade); });
+    };
+    if (needs.layers) {
+        done = done.and_then([&] { return make_target(made.direct_, "lighting.direct", {}); })
+                   .and_then([&] { return make_target(made.indirect_, "lighting.indirect", {}); })
+                   .and_then([&] { return make_shade(made.shade_layers_); });
+    } else {
+        done = done.and_then([&] { return make_shade(made.shade_); });
+    }
+    if (needs.blend && needs.indirect) {
+        done = done.and_then([&] {
+            return made.make_blend_pipelines(device, made.blended_indirect_,
+                                             {.sun = needs.sun,
+                                              .diffuse_materials = needs.diffuse_materials,
+                                              .gather_emission = needs.gather_emission,
+                                              .gather_environment = needs.gather_environment});
+        });
+    } else if (needs.blend) {
+        done = done.and_then([&] {
+            return made.make_blend_pipelines(
+                device, made.blended_, {.sun = needs.sun, .diffuse_materials = needs.diffuse_materials});
+        });
+    }
+    return done.map([&] { return std::move(made); });
+}
+
+template <class P>
+void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipelines, const Inputs& inputs,
+                            rhi::UniformBuffer sun_block, rhi::UniformBuffer light) const {
+    const scene::GeometryView& geometry = *inputs.geometry;
+    std::vector<const scene::DrawView*> order;
+    for (const scene::DrawView& draw : geometry.draws)
+        if (draw.alpha_mode == scene::AlphaMode::blend) order.push_back(&draw);
+    const auto distance = [&](const scene::DrawView* draw) {
+        const glm::vec3 eye(inputs.eye);
+        if (inputs.eye.w == 0) return -glm::dot(draw->center, eye);
+        return glm::distance(draw->center, eye);
+    };
+    std::ranges::stable_sort(order, std::greater(), distance);
+
+    const rhi::Sampled<Dimension::d2> shadow_map(
+        inputs.sun ? inputs.sun->shadow.depth : inputs.gbuffer.base_color_metallic, sampler_);
+    for (const scene::DrawView* draw : order) {
+        const scene::MaterialTextures& textures = geometry.textures[draw->material];
+        const typename P::Bindings bindings = [&] {
+            if constexpr (std::is_same_v<P, shaders::lighting::blended_indirect>)
+                return typename P::Bindings{geometry.vertices,
+                                            geometry.instances,
+                                            geometry.materials,
+                                            inputs.gbuffer.camera,
+                                            textures.base_color,
+                                            textures.metallic_roughness,
+                                            textures.normal,
+                                            textures.occlusion,
+                                            textures.emission,
+                                            sun_block,
+                                            shadow_map,
+                                            light,
+                                            inputs.gather->radiance,
+                                            inputs.gather->emission,
+                                            inputs.gather->block};
+            else
+                return typename P::Bindings{geometry.vertices,   geometry.instances,
+                                            geometry.materials,  inputs.gbuffer.camera,
+                                            textures.base_color, textures.metallic_roughness,
+                                            textures.normal,     textures.occlusion,
+                                            textures.emission,   sun_block,
+                                            shadow_map,          light};
+        }();
+        // Far faces of a body that is seen through come before its near ones.
+        const CullMode near_faces = draw->mirrored ? CullMode::front : CullMode::back;
+        const CullMode far_faces = draw->mirrored ? CullMode::back : CullMode::front;
+        for (const CullMode cull : {far_faces, near_faces}) {
+            if (cull == far_faces && !draw->double_sided) continue;
+            pass.draw(pipelines[size_t(cull)], bindings,
+                      {.first_instance = draw->first_instance, .material = draw->material},
+                      rhi::DrawIndexed{.indices = geometry.indices,
+                                       .count = draw->index_count,
+                                       .instances = draw->instances,
+                                       .first = draw->first_index});
+        }
+    }
+}
+
+View Lighting::record(rhi::Commands& commands, const Inputs& inputs) {
+    const gbuffer::View& g = inputs.gbuffer;
+    View view{.radiance = radiance_.view<Dimension::d2>(), .direct = {}, .indirect = {}};
+    const rhi::UniformBuffer light =
+        commands.uniform(LightBlock{.sun_irradiance = inputs.sun ? inputs.sun->irradiance : glm::vec3(0),
+                                    .environment = inputs.environment});
+    // Options leave unread what is not there; some view has to stand for it.
+    const rhi::UniformBuffer sun_block =
+        inputs.sun ? inputs.sun->shadow.block : commands.uniform(shadow::Block{});
+    const auto sampled = [&](rhi::View<Dimension::d2> v) { return rhi::Sampled<Dimension::d2>(v, sampler_); };
+    const rhi::Groups groups{rhi::groups_for(g.size.width, 8), rhi::groups_for(g.size.height, 8)};
+    {
+        rhi::Pass pass = commands.pass("lighting.shade");
+        const auto emission = sampled(g.emission.value_or(g.base_color_metallic));
+        const auto irradiance = sampled(inputs.irradiance.value_or(g.base_color_metallic));
+        const auto shadow_map = sampled(inputs.sun ? inputs.sun->shadow.depth : g.base_color_metallic);
+        if (needs_.layers) {
+            view.direct = direct_.view<Dimension::d2>();
+            view.indirect = indirect_.view<Dimension::d2>();
+            pass.dispatch(shade_layers_,
+                          {sampled(g.depth), sampled(g.base_color_metallic), sampled(g.normal_roughness),
+                           sampled(g.geometric_normal_occlusion), emission, irradiance, shadow_map, g.camera,
+                           sun_block, light, view.radiance, *view.direct, *view.indirect},
+                          {}, groups);
+        } else {
+            pass.dispatch(shade_,
+                          {sampled(g.depth), sampled(g.base_color_metallic), sampled(g.normal_roughness),
+                           sampled(g.geometric_normal_occlusion), emission, irradiance, shadow_map, g.camera,
+                           sun_block, light, view.radiance},
+                          {}, groups);
+        }
+    }
+    if (needs_.blend) {
+        rhi::RasterPass pass = commands.raster_pass(
+            "lighting.blend", {.color = {{.view = view.radiance, .load = rhi::Load::keep}},
+                               .depth = rhi::DepthTarget{.view = g.depth, .load = rhi::Load::keep}});
+        if (needs_.indirect)
+            draw_blended(pass, blended_indirect_, inputs, sun_block, light);
+        else
+            draw_blended(pass, blended_, inputs, sun_block, light);
+    }
+    return view;
+}
+
+}  // namespace lumo::lighting

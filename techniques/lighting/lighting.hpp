@@ -1,0 +1,97 @@
+// Radiance toward the eye: a deferred pass over the G-buffer, then blended surfaces drawn over it from back to front.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "rhi/rhi.hpp"
+#include "scene/gpu_scene.hpp"
+#include "shaders/lighting/blended.hpp"
+#include "shaders/lighting/blended_indirect.hpp"
+#include "shaders/lighting/shade.hpp"
+#include "shaders/lighting/shade_layers.hpp"
+#include "techniques/gbuffer/gbuffer.hpp"
+#include "techniques/shadow/shadow.hpp"
+
+namespace lumo::lighting {
+
+/// What the scene and the user need of the lighting; nothing else is made.
+struct Needs {
+    bool sun = false;                 ///< there is a directional light
+    bool indirect = false;            ///< there is irradiance of indirect light
+    bool emission = false;            ///< the G-buffer has the target of emission
+    bool layers = false;              ///< direct and indirect radiance are wanted by themselves
+    bool blend = false;               ///< some surface is blended
+    bool blend_double_sided = false;  ///< … and seen from both sides
+    bool blend_mirrored = false;      ///< … and in an instance that turns the winding
+    bool diffuse_materials = false;   ///< every surface is Lambertian with its base colour
+    bool gather_emission = false;     ///< as cones::Needs, for blended surfaces under indirect light
+    bool gather_environment = false;
+};
+
+/// The needs of a scene's blended draws.
+Needs blend_needs_of(const scene::GeometryView& geometry);
+
+struct Sunlight {
+    shadow::View shadow;
+    glm::vec3 irradiance{0};  ///< on a plane facing the sun, W/m²
+};
+
+/// What shaders/cones/gather.glsl reads, for blended surfaces.
+struct Gather {
+    rhi::Sampled<rhi::Dimension::d3> radiance;
+    rhi::Sampled<rhi::Dimension::d3> emission;
+    rhi::UniformBuffer block;
+};
+
+struct Inputs {
+    gbuffer::View gbuffer;
+    std::optional<Sunlight> sun = {};  ///< if Needs::sun
+    std::optional<rhi::View<rhi::Dimension::d2>> irradiance =
+        {};                             ///< if Needs::indirect; W/m², of G-buffer pixels
+    std::optional<Gather> gather = {};  ///< if Needs::indirect and Needs::blend
+    glm::vec3 environment{0};           ///< radiance seen where nothing was drawn, W/m²/sr
+    /// For the blended surfaces, if Needs::blend.
+    std::optional<scene::GeometryView> geometry = {};
+    glm::vec4 eye{0, 0, 0, 1};  ///< CameraBlock::eye, to sort them by
+};
+
+/// rgba32_float, W/m²/sr. `radiance` = direct + indirect + emission + environment, blended surfaces over it; the
+/// layers `direct` and `indirect` are of what lies behind those.
+struct View {
+    rhi::View<rhi::Dimension::d2> radiance;
+    std::optional<rhi::View<rhi::Dimension::d2>> direct;
+    std::optional<rhi::View<rhi::Dimension::d2>> indirect;
+};
+
+class Lighting {
+  public:
+    /// Errors: those of the device; unsupported when it cannot blend rgba32_float and there is something to blend.
+    static Result<Lighting> create(rhi::Device& device, rhi::Extent size, const Needs& needs);
+
+    View record(rhi::Commands& commands, const Inputs& inputs);
+
+  private:
+    template <class P>
+    using BlendPipelines = std::array<rhi::RasterPipeline<P>, 3>;  ///< by CullMode
+
+    template <class P>
+    Result<void> make_blend_pipelines(rhi::Device& device, BlendPipelines<P>& pipelines,
+                                      const typename P::Options& options);
+    template <class P>
+    void draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipelines, const Inputs& inputs,
+                      rhi::UniformBuffer sun_block, rhi::UniformBuffer light) const;
+
+    Needs needs_;
+    rhi::Sampler sampler_;
+    rhi::Texture radiance_;
+    rhi::Texture direct_;
+    rhi::Texture indirect_;
+    rhi::ComputePipeline<shaders::lighting::shade> shade_;
+    rhi::ComputePipeline<shaders::lighting::shade_layers> shade_layers_;
+    BlendPipelines<shaders::lighting::blended> blended_;
+    BlendPipelines<shaders::lighting::blended_indirect> blended_indirect_;
+};
+
+}  // namespace lumo::lighting
