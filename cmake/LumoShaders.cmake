@@ -45,6 +45,8 @@ function(lumo_shaders name)
     if(sources)
         lumo_library(${name} SOURCES ${sources} LINK PUBLIC lumo::rhi_base glm::glm)
         target_include_directories(lumo_${name} PUBLIC $<BUILD_INTERFACE:${output}>)
+        # Else a vec3 would silently become a vec2, and a push constant of the wrong type would compile.
+        target_compile_definitions(lumo_${name} PUBLIC GLM_FORCE_EXPLICIT_CTOR)
         set_target_properties(lumo_${name} PROPERTIES CXX_CLANG_TIDY "")
     else()
         add_library(lumo_${name} INTERFACE)

@@ -1,0 +1,12 @@
+#include "tests/compile_fail/common.hpp"
+
+lumo::Raster::Bindings fill(const lumo::Resources& r) {
+    const lumo::Raster::Bindings bindings{.base_color = {r.color, r.sampler},
+#ifdef LUMO_RIGHT
+                                          .hits = r.hits,
+#endif
+                                          .Vertices = r.vertices,
+                                          .shadow = {r.shadow, r.sampler},
+                                          .unused = {r.color, r.sampler}};
+    return bindings;
+}

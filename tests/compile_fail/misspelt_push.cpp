@@ -1,0 +1,9 @@
+#include "tests/compile_fail/common.hpp"
+
+lumo::Raster::Push fill(glm::vec2 offset) {
+#ifdef LUMO_RIGHT
+    return {.offset = offset, .layer = 1};
+#else
+    return {.offset = offset, .slice = 1};
+#endif
+}

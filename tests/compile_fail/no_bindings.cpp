@@ -1,0 +1,14 @@
+#include "tests/compile_fail/common.hpp"
+
+lumo::Raster::Bindings fill([[maybe_unused]] const lumo::Resources& r) {
+    const lumo::Raster::Bindings bindings{
+#ifdef LUMO_RIGHT
+        .base_color = {r.color, r.sampler},
+        .hits = r.hits,
+        .Vertices = r.vertices,
+        .shadow = {r.shadow, r.sampler},
+        .unused = {r.color, r.sampler}
+#endif
+    };
+    return bindings;
+}

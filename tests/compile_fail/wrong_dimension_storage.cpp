@@ -1,0 +1,14 @@
+#include "tests/compile_fail/common.hpp"
+
+lumo::Raster::Bindings fill(const lumo::Resources& r) {
+    const lumo::Raster::Bindings bindings{.base_color = {r.color, r.sampler},
+#ifdef LUMO_RIGHT
+                                          .hits = r.hits,
+#else
+                                          .hits = r.volume,
+#endif
+                                          .Vertices = r.vertices,
+                                          .shadow = {r.shadow, r.sampler},
+                                          .unused = {r.color, r.sampler}};
+    return bindings;
+}
