@@ -50,9 +50,9 @@ class Environment {
 
 class DiskCacheTest : public testing::Test {
   protected:
-    DiskCacheTest() {
+    static fs::path make_root() {
         std::string path = (fs::temp_directory_path() / "lumo-test-XXXXXX").string();
-        root = ::mkdtemp(path.data());
+        return ::mkdtemp(path.data());
     }
     ~DiskCacheTest() override {
         std::error_code ignored;
@@ -76,7 +76,7 @@ class DiskCacheTest : public testing::Test {
         fs::last_write_time(path, fs::last_write_time(path) - by);
     }
 
-    fs::path root;
+    fs::path root = make_root();
     fs::path folder = root / "cache";
 };
 
@@ -146,14 +146,14 @@ TEST_F(DiskCacheTest, IgnoresAndRemovesDamagedEntries) {
     };
     for (size_t size = 0; size < good.size(); ++size) {
         overwrite(good.substr(0, size));
-        EXPECT_FALSE(cache.get(key_of("a"))) << "cut to " << size;
+        ASSERT_FALSE(cache.get(key_of("a"))) << "cut to " << size;
         EXPECT_FALSE(fs::exists(path));
     }
     for (size_t i = 0; i < good.size(); ++i) {
         std::string bad = good;
         bad[i] = char(bad[i] ^ 0x10);
         overwrite(bad);
-        EXPECT_FALSE(cache.get(key_of("a"))) << "byte " << i;
+        ASSERT_FALSE(cache.get(key_of("a"))) << "byte " << i;
     }
     overwrite(good + "more");
     EXPECT_FALSE(cache.get(key_of("a")));
@@ -256,7 +256,7 @@ TEST_F(DiskCacheTest, ManyWritersLeaveWholeEntries) {
     }
     for (int i = 0; i < 100; ++i) {
         const auto value = cache.get(key_of("a"));
-        EXPECT_TRUE(!value || *value == values[0] || *value == values[1]);
+        ASSERT_TRUE(!value || *value == values[0] || *value == values[1]);
     }
     for (std::thread& thread : threads) thread.join();
     EXPECT_EQ(files().size(), 1u);
