@@ -398,6 +398,10 @@ Result<void> DeviceCore::clear(uint64_t id, const TextureView& view, const Clear
         if (!typed)
             return fault(Check::texel_kind, "the value to clear texture {} with does not fit {}", name,
                          format.name);
+        // Vulkan clears in the texture's own format; zero is the same bits in all of them.
+        if (view.format != texture->desc.format && !is_zero(value))
+            return fault(Check::view_format, "texture {} can be cleared to zero alone through a view as {}",
+                         name, format.name);
         std::vector<Use> uses;
         for (uint32_t mip = 0; mip < view.mips; ++mip)
             uses.push_back(texture_use(view, view.first_mip + mip, Access::copy_write,

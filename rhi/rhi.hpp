@@ -104,7 +104,8 @@ class Pass : public PassBase {
     void upload(const Texture& destination, const TextureRegion& region, std::span<const std::byte> texels);
     /// Fills with one 32-bit word; offset and size are multiples of 4.
     void fill(BufferSlice destination, uint32_t value = 0);
-    /// Fills one or more mips of a colour or depth texture, in the view's format.
+    /// Fills one or more mips of a colour or depth texture. Through a view in another format than the
+    /// texture's own, with zero alone.
     void clear(const TextureView& view, const ClearValue& value = std::array<float, 4>{});
     /// Each mip from the one above it by a linear filter of 2 texels a side.
     void generate_mips(const Texture& texture);

@@ -423,16 +423,19 @@ Verdict check_copy(const TextureDesc& source, const TextureRegion& source_region
     return {};
 }
 
+bool is_zero(const ClearColor& value) {
+    return std::visit(
+        [](const auto& channels) { return std::ranges::all_of(channels, [](auto c) { return c == 0; }); },
+        value);
+}
+
 std::optional<ClearColor> clear_for(Format format, const ClearColor& value) {
     const TexelKind kind = texel_kind(format);
     const bool matches = (kind == TexelKind::floating && value.index() == 0) ||
                          (kind == TexelKind::uint && value.index() == 1) ||
                          (kind == TexelKind::sint && value.index() == 2);
     if (matches) return value;
-    const bool zero = std::visit(
-        [](const auto& channels) { return std::ranges::all_of(channels, [](auto c) { return c == 0; }); },
-        value);
-    if (!zero) return {};
+    if (!is_zero(value)) return {};
     if (kind == TexelKind::uint) return std::array<uint32_t, 4>{};
     if (kind == TexelKind::sint) return std::array<int32_t, 4>{};
     return std::array<float, 4>{};

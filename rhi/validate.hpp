@@ -57,6 +57,7 @@ Verdict check_copy(const TextureDesc& source, const TextureRegion& source_region
                    bool same_texture);
 /// The value in the variant that `format` asks for; zeros fit every format.
 std::optional<ClearColor> clear_for(Format format, const ClearColor& value);
+bool is_zero(const ClearColor& value);
 
 bool covers_mip(const TextureDesc& texture, const TextureRegion& region);
 TexelKind texel_kind(Format format);

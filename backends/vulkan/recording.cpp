@@ -294,11 +294,16 @@ void Recorder::operator()(const rhi::CopyBufferCommand& command) {
 void Recorder::operator()(const rhi::CopyTextureCommand& command) {
     const Texture& source = store_[command.source];
     const Texture& destination = store_[command.destination];
-    VkImageCopy region{layers_of(source, command.source_region), offset_of(command.source_region),
-                       layers_of(destination, command.destination_region),
-                       offset_of(command.destination_region), extent_of(command.source_region)};
-    vk_.vkCmdCopyImage(commands_, source.image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, destination.image(),
-                       VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    const auto& from = command.source_region;
+    const auto& to = command.destination_region;
+    VkImageCopy region{layers_of(source, from), offset_of(from), layers_of(destination, to), offset_of(to),
+                       extent_of(from)};
+    // Within one mip both are the same memory, which can have one layout only.
+    bool within = source.image() == destination.image() && from.mip == to.mip;
+    vk_.vkCmdCopyImage(commands_, source.image(),
+                       within ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                       destination.image(),
+                       within ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
 
 VkBufferImageCopy Recorder::copy_region(const rhi::BufferSlice& slice, const Texture& texture,
