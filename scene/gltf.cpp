@@ -116,6 +116,7 @@ class Loader {
     void add_camera(int node, const glm::dmat4& world);
     void add_light(int node, const glm::dmat4& world);
     void bound_cameras();
+    void check_undrawn_meshes();
     void warn_of_unused_images();
 
     Result<std::optional<uint32_t>> mesh(int index);
@@ -165,6 +166,7 @@ Result<Scene> Loader::load() {
     for (const int root : *roots)
         if (auto added = add_tree(root); !added) return tl::unexpected(added.error());
     bound_cameras();
+    check_undrawn_meshes();
     warn_of_unused_images();
     if (scene_.instances.empty()) warn("there is nothing to draw");
     scene_.warnings = document_.warnings.take();
@@ -180,16 +182,16 @@ Result<std::vector<int>> Loader::parents() const {
                                            parent_of[size_t(child)], node));
             parent_of[size_t(child)] = node;
         }
-    // With one parent each, nodes that no root leads to are loops, and what hangs on them.
+    // Walks up from each node until a root, an earlier walk or, in a loop, this walk itself.
     std::vector<int> walk_of(parent_of.size(), -1);
-    for (int start = 0; start < int(parent_of.size()); ++start)
-        for (int node = start; node >= 0 && walk_of[size_t(node)] != start; node = parent_of[size_t(node)]) {
-            const bool seen = walk_of[size_t(node)] >= 0;
-            walk_of[size_t(node)] = seen ? walk_of[size_t(node)] : start;
-            if (seen) break;
-            if (const int up = parent_of[size_t(node)]; up >= 0 && walk_of[size_t(up)] == start)
-                return invalid(fmt::format("{} is its own ancestor", node_name(up)));
-        }
+    for (int start = 0; start < int(parent_of.size()); ++start) {
+        if (walk_of[size_t(start)] >= 0) continue;
+        int node = start;
+        for (; node >= 0 && walk_of[size_t(node)] < 0; node = parent_of[size_t(node)])
+            walk_of[size_t(node)] = start;
+        if (node >= 0 && walk_of[size_t(node)] == start)
+            return invalid(fmt::format("{} is its own ancestor", node_name(node)));
+    }
     return parent_of;
 }
 
@@ -538,7 +540,6 @@ Result<uint32_t> Loader::image(int index) {
     const std::string name = named("images", index, source.name);
     const auto bytes = bytes_.image(size_t(index));
     if (!bytes) return tl::unexpected(bytes.error());
-    if (!source.uri && source.mime_type.empty()) warn(name + " is in a buffer view and has no mimeType");
     const ImageLimits limits{.max_side = limits_.images.max_side, .max_bytes = image_bytes_left_};
     auto decoded = decode_image8(*bytes, name, limits);
     if (!decoded) {
@@ -557,6 +558,27 @@ Result<uint32_t> Loader::image(int index) {
     scene_.images.push_back(std::move(*decoded));
     image_indices_.emplace(index, placed);
     return placed;
+}
+
+// What no node draws harms nothing, but a fault in it is worth a word, as long as that costs little.
+void Loader::check_undrawn_meshes() {
+    Limits limits = limits_;
+    limits.max_vertices = uint64_t(1) << 20;
+    limits.max_indices = uint64_t(1) << 22;
+    Scene undrawn;
+    gltf::MeshBuilder builder(document_, bytes_, limits, undrawn);
+    int faults_left = 16;
+    for (int index = 0; index < int(model_.meshes.size()); ++index) {
+        if (mesh_indices_.contains(index)) continue;
+        const tinygltf::Mesh& mesh = model_.meshes[size_t(index)];
+        for (size_t i = 0; i < mesh.primitives.size(); ++i) {
+            const std::string where = fmt::format("{}.primitives[{}]", named("meshes", index, mesh.name), i);
+            const auto added = builder.add(mesh.primitives[i], where, std::nullopt);
+            if (added) continue;
+            if (added.error().kind == ErrorKind::limit || faults_left-- == 0) return;
+            warn(added.error().message + "; no node draws it");
+        }
+    }
 }
 
 void Loader::warn_of_unused_images() {

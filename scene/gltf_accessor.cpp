@@ -22,6 +22,8 @@ struct Layout {
         return columns > 1 ? (packed + 3) / 4 * 4 : packed;
     }
     uint32_t size() const { return column_stride() * columns; }
+    // Up to the last number: what pads the last column need not be there.
+    uint32_t extent() const { return offset(components() - 1) + component_size; }
     uint32_t offset(uint32_t component) const {
         return component / rows * column_stride() + component % rows * component_size;
     }
@@ -124,7 +126,7 @@ Result<void> check_dense(Document& document, int index, const Layout& layout) {
         return invalid(document,
                        fmt::format("{} has elements of {} bytes, but bufferViews[{}].byteStride is {}",
                                    name_of(document, index), layout.size(), accessor.bufferView, stride));
-    if (!fits(accessor.byteOffset, accessor.count, stride, layout.size(), view.byteLength))
+    if (!fits(accessor.byteOffset, accessor.count, stride, layout.extent(), view.byteLength))
         return invalid(
             document,
             fmt::format("{} has {} elements of {} bytes, {} apart, from {}, but bufferViews[{}] has {}",
@@ -145,19 +147,22 @@ Result<void> check_sparse(Document& document, int index, const Layout& layout) {
     if (count > accessor.count)
         return invalid(document, fmt::format("{} has {} elements, but {} sparse ones",
                                              name_of(document, index), accessor.count, count));
-    const auto check = [&](std::string_view part, int view_index, int offset, uint64_t size) -> Result<void> {
+    const auto check = [&](std::string_view part, int view_index, int offset, uint64_t size,
+                           uint64_t extent) -> Result<void> {
         const uint64_t bytes = document.model.bufferViews[size_t(view_index)].byteLength;
-        if (fits(uint64_t(offset), count, size, size, bytes)) return {};
+        if (fits(uint64_t(offset), count, size, extent, bytes)) return {};
         return invalid(
             document,
             fmt::format("{}.sparse.{} has {} elements of {} bytes from {}, but bufferViews[{}] has {}",
                         name_of(document, index), part, count, size, offset, view_index, bytes));
     };
-    if (auto checked = check("indices", sparse.indices.bufferView, sparse.indices.byteOffset,
-                             component_size(sparse.indices.componentType));
+    const uint64_t index_size = component_size(sparse.indices.componentType);
+    if (auto checked =
+            check("indices", sparse.indices.bufferView, sparse.indices.byteOffset, index_size, index_size);
         !checked)
         return checked;
-    return check("values", sparse.values.bufferView, sparse.values.byteOffset, layout.size());
+    return check("values", sparse.values.bufferView, sparse.values.byteOffset, layout.size(),
+                 layout.extent());
 }
 
 // Calls read(element, bytes) for each element whose bytes there are, the sparse ones last.
@@ -207,8 +212,6 @@ Result<void> check_accessors(Document& document, const Limits& limits) {
                                         name_of(document, i), limits.max_unbacked_elements),
                             "store them in a buffer");
             unbacked += accessor.count;
-            if (accessor.byteOffset > 0)
-                document.warnings.add(name_of(document, i) + " has a byteOffset without a bufferView");
         }
         if (accessor.sparse.isSparse)
             if (auto checked = check_sparse(document, i, layout); !checked) return checked;

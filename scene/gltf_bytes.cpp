@@ -53,8 +53,14 @@ Result<DataUri> decode_data_uri(std::string_view uri) {
         return fail(ErrorKind::invalid_file, "", "is a data URI without a comma", "export the file again");
     std::string_view head = uri.substr(0, comma);
     const std::string_view body = uri.substr(comma + 1);
+    const bool is_base64 = head.ends_with(";base64");
+    if (is_base64) head.remove_suffix(std::string_view(";base64").size());
     DataUri data{.mime_type = head.substr(0, head.find(';')), .bytes = {}};
-    if (head.ends_with(";base64")) {
+    for (size_t at = head.find(';'); at != head.npos; at = head.find(';', at + 1))
+        if (head.substr(at + 1, head.find(';', at + 1) - at - 1).find('=') == head.npos)
+            return fail(ErrorKind::invalid_file, "", "is a data URI with a parameter that has no value",
+                        "export the file again");
+    if (is_base64) {
         auto bytes = base64_decoded(body);
         if (!bytes) return tl::unexpected(bytes.error());
         data.bytes = std::move(*bytes);
@@ -213,6 +219,8 @@ Result<void> Bytes::check_view(size_t index) const {
     if (view.byteStride % 4 != 0)
         document_->warnings.add(
             fmt::format("{}.byteStride is {}, not a multiple of 4", where, view.byteStride));
+    if (view.byteStride > 0 && view.target == TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER)
+        document_->warnings.add(where + " holds indices and has a byteStride");
     if (view.byteStride > view.byteLength)
         document_->warnings.add(fmt::format("{}.byteStride is {}, more than its {} bytes", where,
                                             view.byteStride, view.byteLength));

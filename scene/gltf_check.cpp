@@ -37,8 +37,9 @@ struct Shape {
     size_t count = 0;                          // of an array's elements, where fixed
     std::vector<Shape> element = {};           // one, of an array or map
     std::vector<Member> members = {};          // of an object
-    std::vector<std::pair<std::string_view, std::string_view>> exclusive =
-        {};  // members not to stand together
+    // Pairs of an object's members: the first must not be without the second, or not with it.
+    std::vector<std::pair<std::string_view, std::string_view>> needs = {};
+    std::vector<std::pair<std::string_view, std::string_view>> exclusive = {};
 };
 
 struct Member {
@@ -93,7 +94,7 @@ Shape document_shape() {
     const Shape sparse = object({{"count", integer(1), required},
                                  {"indices", sparse_indices, required},
                                  {"values", sparse_values, required}});
-    const Shape accessor = object({
+    Shape accessor = object({
         {"name", text()},
         {"bufferView", index("/bufferViews")},
         {"byteOffset", integer(0, largest_size)},
@@ -105,6 +106,7 @@ Shape document_shape() {
         {"max", list(number())},
         {"sparse", sparse},
     });
+    accessor.needs = {{"byteOffset", "bufferView"}};
     const Shape buffer =
         object({{"name", text()}, {"uri", text()}, {"byteLength", integer(1, largest_size), required}});
     const Shape buffer_view = object({
@@ -117,6 +119,7 @@ Shape document_shape() {
     });
     Shape image = object(
         {{"name", text()}, {"uri", text()}, {"mimeType", text()}, {"bufferView", index("/bufferViews")}});
+    image.needs = {{"bufferView", "mimeType"}};
     image.exclusive = {{"uri", "bufferView"}};
     const Shape texture =
         object({{"name", text()}, {"sampler", index("/samplers")}, {"source", index("/images")}});
@@ -170,6 +173,7 @@ Shape document_shape() {
          object({{"KHR_lights_punctual",
                   object({{"light", index("/extensions/KHR_lights_punctual/lights"), required}})}})},
     });
+    node.needs = {{"skin", "mesh"}, {"weights", "mesh"}};
     node.exclusive = {{"matrix", "translation"}, {"matrix", "rotation"}, {"matrix", "scale"}};
     const Shape perspective = object({{"aspectRatio", number()},
                                       {"yfov", number(), required},
@@ -271,6 +275,9 @@ class Checker {
     std::optional<std::string> check_object(json& value, const Shape& shape) {
         if (!value.is_object()) return "is " + type_name(value) + ", not an object";
         const bool extensions = path_.ends_with("extensions");
+        for (const auto& [one, other] : shape.needs)
+            if (value.contains(one) && !value.contains(other))
+                warnings_.add(fmt::format("{} has {} without {}", path(), one, other));
         for (const auto& [one, other] : shape.exclusive)
             if (value.contains(one) && value.contains(other))
                 warnings_.add(fmt::format("{} has both {} and {}; only {} counts", path(), one, other, one));
@@ -372,7 +379,9 @@ class Checker {
             warnings_.add("animations are not played: everything stands at rest");
         else if (name == "targets")
             warnings_.add(path() + ": morph targets are not drawn: the mesh stands at rest");
-        else if (name != "skins" && name != "weights")
+        else if (name == "skins")
+            warnings_.add("skins are not applied: everything stands at rest");
+        else if (name != "weights")
             warnings_.add(path() + " is not in glTF 2.0 and is ignored");
     }
 

@@ -154,10 +154,22 @@ Result<Attributes> MeshBuilder::attributes_of(const tinygltf::Primitive& primiti
         count = accessor.count;
         *target = found->second;
     }
-    for (const auto& [name, accessor] : primitive.attributes)
-        if (!is_known_attribute(name))
-            document_.warnings.add(fmt::format("{}.{} is not an attribute of glTF 2.0 and is ignored", where,
-                                               printable(name, 60)));
+    int joints = 0, weights = 0;
+    for (const auto& [name, index] : primitive.attributes) {
+        const tinygltf::Accessor& accessor = document_.model.accessors[size_t(index)];
+        const std::string named = where + "." + printable(name, 60);
+        joints += name.starts_with("JOINTS_");
+        weights += name.starts_with("WEIGHTS_");
+        if (!is_known_attribute(name)) document_.warnings.add(named + " is not in glTF 2.0 and is ignored");
+        if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+            document_.warnings.add(named + " is of 32-bit integers, which no attribute may be");
+        if (accessor.count != count.value_or(accessor.count))
+            document_.warnings.add(
+                fmt::format("{} has {} elements, POSITION has {}", named, accessor.count, *count));
+    }
+    if (joints != weights)
+        document_.warnings.add(
+            fmt::format("{} has {} sets of JOINTS and {} of WEIGHTS", where, joints, weights));
     if (attributes.tangent >= 0 && attributes.normal < 0) {
         document_.warnings.add(where + " has TANGENT without NORMAL: both are generated");
         attributes.tangent = -1;
