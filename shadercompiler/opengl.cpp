@@ -17,6 +17,8 @@ Result<std::string> to_opengl(const std::string& path, const Words& spirv,
         // would differ.
         options.enable_storage_image_qualifier_deduction = false;
         options.enable_row_major_load_workaround = false;
+        // The optimiser leaves undefined values on paths where nothing reads them; Mesa warns of each.
+        options.force_zero_initialized_variables = true;
         options.vertex.support_nonzero_base_instance = false;
         compiler.set_common_options(options);
 
