@@ -246,6 +246,10 @@ class Reflector {
             };
             claim(names, declaration.name);
             if (!declaration.block_name.empty()) claim(block_names, declaration.block_name);
+            if (!reflection_.push.members.empty() && declaration.block_name == reflection_.push.name) {
+                fault_at(declaration.where, "'{}' names a block and the push constants",
+                         declaration.block_name);
+            }
             reflection_.bindings.push_back({
                 .name = {},
                 .binding = binding,

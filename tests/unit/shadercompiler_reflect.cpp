@@ -285,7 +285,8 @@ TEST(Reflection, RefusesStagesThatDisagree) {
     EXPECT_EQ(message(texture, texture), "no error");
     EXPECT_THAT(message(texture, "layout(binding = 1) uniform sampler2D b;"),
                 HasSubstr("not declared alike"));
-    EXPECT_THAT(message(texture, "layout(binding = 2) uniform sampler2D a;"), HasSubstr("binding qualifier must match"));
+    EXPECT_THAT(message(texture, "layout(binding = 2) uniform sampler2D a;"),
+                HasSubstr("binding qualifier must match"));
     EXPECT_THAT(message("layout(binding = 1) readonly buffer B { uint x; } a;",
                         "layout(binding = 1) writeonly buffer B { uint x; } a;"),
                 HasSubstr("readonly qualifier must match"));
