@@ -598,10 +598,14 @@ Verdict DeviceCore::use_draw(const DrawIndirect& draw, const PipelineBindings& w
     if (draw.arguments.size < uint64_t{stride} * draw.draws)
         return fault(Check::buffer_too_small, "{} bytes of arguments for {} draws of {}", draw.arguments.size,
                      draw.draws, stride);
-    if (indexed)
+    if (indexed) {
         if (auto bad =
                 use_slice(draw.indices, BufferUsage::index, Access::index_read, index_bytes(draw.type), uses))
             return bad;
+        if (draw.indices.offset != 0)
+            return fault(Check::buffer_alignment, "indices of an indirect draw at offset {} of buffer {}",
+                         draw.indices.offset, quoted(resources_.find(draw.indices.buffer)->desc.name));
+    }
     command = DrawIndirectCommand{what, draw.arguments, draw.draws, stride, draw.indices, draw.type};
     return {};
 }
