@@ -24,7 +24,7 @@ struct Needs {
     bool environment = false;
     bool wide_range = false;  ///< as voxels::Needs
 
-    bool any_light() const { return emission || environment; }
+    constexpr bool any_light() const { return emission || environment; }
 };
 
 /// Gathers needed for a number of bounces: the sun's first reflection is injected, that of emitters and

@@ -36,6 +36,7 @@ class Irradiance {
     const Distribution& distribution() const { return distribution_; }
     /// The sampler that volumes are read through.
     rhi::SamplerHandle volume_sampler() const { return volume_sampler_; }
+    rhi::SamplerHandle point_sampler() const { return point_sampler_; }
 
   private:
     Distribution distribution_;

@@ -53,7 +53,7 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
                               : !surfaces  ? "the scene has no triangles"
                                            : "the scene has no light";
 
-    decide("gbuffer", surfaces, fmt::format("{} triangles", facts.triangles), "the scene has no triangles");
+    decide("gbuffer", true, fmt::format("{} triangles", facts.triangles), "");
     decide("gbuffer.mask", facts.alpha_mask, "some materials are cut out by alpha",
            "no material has alpha mode MASK");
     decide("gbuffer.normal_maps", facts.normal_maps, "some materials have normal maps",
@@ -70,13 +70,13 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
     decide("voxels.emission", gi && facts.emission, "some materials emit", gi ? "no material emits" : no_gi);
     decide("voxels.sunlight", gi && facts.sun, "the sun's light is injected",
            gi ? "the scene has no directional light" : no_gi);
-    decide("voxels.bounce", gi && (facts.emission || facts.environment),
-           "light of emitters or the environment is reflected once more",
-           gi ? "all light is the sun's, which is injected" : no_gi);
+    decide("voxels.bounce", gi && (facts.emission || facts.environment || settings.bounces > 1),
+           "voxels gather light from each other",
+           gi ? "all light is the sun's, reflected once by injection" : no_gi);
     decide("cones", gi, fmt::format("{} cones a pixel", settings.cones.count), no_gi);
     decide("cones.environment", gi && facts.environment, "light comes from outside the scene",
            gi ? "the environment is black" : no_gi);
-    decide("lighting", surfaces, "surfaces are shaded", "the scene has no triangles");
+    decide("lighting", true, "every pixel has a radiance", "");
     decide("lighting.specular", facts.specular, "materials have a specular lobe",
            settings.diffuse_materials ? "materials are taken as diffuse" : "every material is unlit");
     decide("blend", facts.alpha_blend, "some materials are blended", "no material has alpha mode BLEND");

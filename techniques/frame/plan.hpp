@@ -25,6 +25,8 @@ struct SceneFacts {
     bool specular = false;     ///< some lit surface is not purely diffuse under these settings
     bool environment = false;  ///< light comes from outside the scene
     bool sun = false;
+    /// Radiance spans more than 8 bits hold: emitters and what they light, or a sky and what it does not reach.
+    bool wide_range() const { return emission || environment; }
     float highest_emission = 0;  ///< radiance, W/m²/sr, the largest channel of any surface, before textures
 };
 

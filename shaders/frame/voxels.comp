@@ -1,0 +1,64 @@
+// The voxels themselves, as the camera sees them: the first occupied one on each pixel's ray, walked from face to
+// face (Amanatides & Woo 1987).
+#define CAMERA 2
+#include "common/camera.glsl"
+#include "common/voxel_grid.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(push_constant) uniform Push {
+    vec3 grid_origin;
+    float voxels_per_metre;
+    float radiance_unit;
+    float emission_unit;  // 0: there is no emission
+} push;
+
+layout(binding = 0) uniform sampler3D radiance;
+layout(binding = 1) uniform sampler3D emission;
+layout(binding = 3, rgba32f) writeonly uniform image2D layer;
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, imageSize(layer)))) return;
+
+    VoxelGrid grid = VoxelGrid(push.grid_origin, push.voxels_per_metre);
+    int resolution = textureSize(radiance, 0).x;
+    vec3 near = grid_from_world(grid, world_from_pixel(vec2(pixel) + 0.5, 0.0));
+    vec3 far = grid_from_world(grid, world_from_pixel(vec2(pixel) + 0.5, 1.0));
+    vec3 direction = normalize(far - near);
+    // An axis along which the ray does not move is never the next one.
+    direction = mix(direction, vec3(1e-12), equal(direction, vec3(0)));
+
+    vec3 to_low = (vec3(0) - near) / direction;
+    vec3 to_high = (vec3(resolution) - near) / direction;
+    vec3 entries = min(to_low, to_high), exits = max(to_low, to_high);
+    float enter = max(max(entries.x, max(entries.y, entries.z)), 0.0);
+    float leave = min(exits.x, min(exits.y, exits.z));
+
+    vec3 seen = vec3(0);
+    if (enter < leave) {
+        ivec3 voxel = clamp(ivec3(floor(near + direction * enter)), ivec3(0), ivec3(resolution - 1));
+        ivec3 way = ivec3(sign(direction));
+        vec3 next = (vec3(voxel) + max(vec3(way), 0.0) - near) / direction;
+        for (int i = 0; i < 3 * 1024 && inside_grid(voxel, resolution); ++i) {
+            vec4 stored = texelFetch(radiance, voxel, 0);
+            if (stored.a > 0.0) {
+                seen = stored.rgb / stored.a * push.radiance_unit;
+                if (push.emission_unit > 0.0)
+                    seen += texelFetch(emission, voxel, 0).rgb / stored.a * push.emission_unit;
+                break;
+            }
+            if (next.x < next.y && next.x < next.z) {
+                voxel.x += way.x;
+                next.x += abs(1.0 / direction.x);
+            } else if (next.y < next.z) {
+                voxel.y += way.y;
+                next.y += abs(1.0 / direction.y);
+            } else {
+                voxel.z += way.z;
+                next.z += abs(1.0 / direction.z);
+            }
+        }
+    }
+    imageStore(layer, pixel, vec4(seen, 1));
+}

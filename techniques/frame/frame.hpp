@@ -1,0 +1,58 @@
+// A whole frame: the techniques that the plan needs, one after the other.
+#pragma once
+
+#include <optional>
+
+#include "rhi/rhi.hpp"
+#include "scene/gpu_scene.hpp"
+#include "techniques/bounce/bounce.hpp"
+#include "techniques/cones/cones.hpp"
+#include "techniques/frame/layers.hpp"
+#include "techniques/frame/plan.hpp"
+#include "techniques/frame/settings.hpp"
+#include "techniques/gbuffer/gbuffer.hpp"
+#include "techniques/lighting/lighting.hpp"
+#include "techniques/post/post.hpp"
+#include "techniques/shadow/shadow.hpp"
+#include "techniques/voxels/voxels.hpp"
+
+namespace lumo::frame {
+
+/// What a frame shows.
+struct Inputs {
+    scene::GeometryView geometry;
+    scene::Camera camera;
+    glm::vec3 direction_to_sun{0, 1, 0};  ///< unit length
+    glm::vec3 sun_irradiance{0};          ///< on a plane facing the sun, W/m²
+    glm::vec3 environment_radiance{0};    ///< W/m²/sr
+};
+
+class Frame {
+  public:
+    /// Makes what the plan needs and nothing else. Errors: those of the techniques.
+    static Result<Frame> create(rhi::Device& device, const Settings& settings, const Plan& plan,
+                                const SceneFacts& facts, const scene::GeometryView& geometry);
+
+    void record(rhi::Commands& commands, const Inputs& inputs);
+
+    /// What the frame last recorded fills, of a layer that Settings asked for: rgba8_unorm for final, else
+    /// rgba32_float. Row 0 is the bottom of the picture.
+    const rhi::Texture& texture(Layer layer) const;
+
+  private:
+    Frame() = default;
+
+    Settings settings_;
+    SceneFacts facts_;
+    bool emission_ = false;  ///< the volume has it
+    std::optional<gbuffer::GBuffer> gbuffer_;
+    std::optional<shadow::Shadow> shadow_;
+    std::optional<voxels::Volume> volume_;
+    std::optional<bounce::Bounce> bounce_;
+    std::optional<cones::Irradiance> irradiance_;
+    std::optional<lighting::Lighting> lighting_;
+    std::optional<Layers> layers_;
+    std::optional<post::Post> post_;
+};
+
+}  // namespace lumo::frame

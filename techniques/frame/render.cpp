@@ -1,0 +1,83 @@
+#include "techniques/frame/render.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "scene/gpu_scene.hpp"
+#include "techniques/frame/frame.hpp"
+
+namespace lumo::frame {
+namespace {
+
+const scene::Light* find_sun(const scene::Scene& scene) {
+    const auto sun = std::find_if(scene.lights.begin(), scene.lights.end(), [](const scene::Light& light) {
+        return light.kind == scene::LightKind::directional && light.intensity != glm::vec3(0);
+    });
+    return sun == scene.lights.end() ? nullptr : &*sun;
+}
+
+/// Pictures have their first row at the top, textures at the bottom.
+template <class T>
+scene::Image<T> flipped(const std::vector<std::byte>& texels, rhi::Extent size, uint32_t channels) {
+    scene::Image<T> image{size.width, size.height, channels,
+                          std::vector<T>(size_t(size.width) * size.height * channels)};
+    constexpr uint32_t stored_channels = 4;
+    for (uint32_t y = 0; y < size.height; ++y) {
+        for (uint32_t x = 0; x < size.width; ++x) {
+            const size_t texel = size_t(size.height - 1 - y) * size.width + x;
+            std::memcpy(image.at(x, y), texels.data() + texel * stored_channels * sizeof(T),
+                        channels * sizeof(T));
+        }
+    }
+    return image;
+}
+
+}  // namespace
+
+Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const scene::Camera& camera,
+                        const Settings& settings) {
+    const SceneFacts facts = examine(scene, settings);
+    Rendered rendered;
+    rendered.plan = make_plan(facts, settings);
+
+    const Result<scene::GpuScene> gpu_scene =
+        scene::GpuScene::create(device, scene, settings.diffuse_materials);
+    if (!gpu_scene) return tl::unexpected(gpu_scene.error());
+    const scene::GeometryView geometry = gpu_scene->view();
+    Result<Frame> frame = Frame::create(device, settings, rendered.plan, facts, geometry);
+    if (!frame) return tl::unexpected(frame.error());
+
+    Inputs inputs{.geometry = geometry, .camera = camera, .environment_radiance = scene.environment_radiance};
+    if (const scene::Light* sun = find_sun(scene)) {
+        inputs.direction_to_sun = -glm::normalize(sun->direction);
+        inputs.sun_irradiance = sun->intensity;
+    }
+
+    const auto start = std::chrono::steady_clock::now();
+    rhi::Commands commands = device.begin();
+    frame->record(commands, inputs);
+    const rhi::Submission submission = device.submit(std::move(commands));
+    if (Result<void> done = device.wait(submission); !done) return tl::unexpected(done.error());
+    rendered.wall_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    rendered.passes = device.pass_times(submission);
+    rendered.memory = device.memory();
+    rendered.trace = device.trace(submission);
+
+    for (const Layer layer : settings.layers) {
+        const rhi::Texture& texture = frame->texture(layer);
+        const auto texels = device.download(texture, rhi::whole_mip(texture.desc()));
+        if (!texels) return tl::unexpected(texels.error());
+        LayerImage& image = rendered.layers.emplace_back();
+        image.layer = layer;
+        if (layer == Layer::final) {
+            image.display = flipped<uint8_t>(*texels, settings.size, 4);
+        } else {
+            image.linear = flipped<float>(*texels, settings.size, layer == Layer::depth ? 1 : 3);
+        }
+    }
+    return rendered;
+}
+
+}  // namespace lumo::frame

@@ -1,0 +1,37 @@
+// One picture of one scene: load, plan, one frame, read back.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rhi/rhi.hpp"
+#include "scene/image.hpp"
+#include "scene/scene.hpp"
+#include "techniques/frame/plan.hpp"
+#include "techniques/frame/settings.hpp"
+
+namespace lumo::frame {
+
+/// One layer of a frame, row 0 at the top: `display` for Layer::final (RGBA), `linear` for the others (RGB; depth has
+/// one channel).
+struct LayerImage {
+    Layer layer = Layer::final;
+    scene::Image8 display;
+    scene::ImageF linear;
+};
+
+struct Rendered {
+    std::vector<LayerImage> layers;  ///< in the order of Settings::layers
+    Plan plan;
+    std::vector<rhi::PassTime> passes;
+    std::vector<rhi::MemoryEntry> memory;
+    double wall_ms = 0;  ///< of recording and running the frame; loading and compiling are not in it
+    std::string trace;   ///< the frame's barriers, as rhi::Device::trace, where tracing is on
+};
+
+/// The scene's sun is its first directional light with any intensity; other lights are not drawn. Errors: those of
+/// the device and of the techniques.
+Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const scene::Camera& camera,
+                        const Settings& settings);
+
+}  // namespace lumo::frame
