@@ -44,7 +44,7 @@ struct DrawIndirect {
     BufferSlice arguments = {};  ///< per draw: vertices, instances, first vertex, 0; indexed: count,
                                  ///< instances, first, offset, 0
     uint32_t draws = 1;
-    BufferSlice indices = {};  ///< empty: not indexed
+    BufferSlice indices = {};  ///< empty: not indexed; else at offset 0, from where OpenGL counts
     IndexType type = IndexType::uint32;
 };
 

@@ -153,6 +153,7 @@ class GlBackend final : public rhi::Backend {
     /// deletion.
     GlBackend& unbound() {
         state_.forget();
+        indices_ = 0;
         return *this;
     }
 
@@ -186,9 +187,7 @@ class GlBackend final : public rhi::Backend {
     std::vector<Pipeline> pipelines_;
     std::array<rhi::FormatCaps, rhi::format_count> caps_{};
     GLuint vertex_array_ = 0;
-    GLuint indices_ = 0;        ///< bound to the vertex array
-    GLuint moved_indices_ = 0;  ///< see DrawIndirectCommand
-    uint64_t moved_indices_bytes_ = 0;
+    GLuint indices_ = 0;  ///< bound to the vertex array
 };
 
 Result<void> GlBackend::create_pipeline(rhi::PipelineHandle handle, const rhi::ProgramInfo& program,
@@ -355,19 +354,7 @@ void GlBackend::run(const rhi::DrawIndirectCommand& command) {
         glMultiDrawArraysIndirect(topology, arguments, GLsizei(command.draws), GLsizei(command.stride));
         return;
     }
-    GLuint indices = resources_.buffer(command.indices.buffer);
-    if (command.indices.offset != 0) {
-        // Indirect draws count indices from the start of their buffer, so a slice must be moved to one.
-        if (moved_indices_bytes_ < command.indices.size) {
-            if (!moved_indices_) glCreateBuffers(1, &moved_indices_);
-            moved_indices_bytes_ = command.indices.size;
-            glNamedBufferData(moved_indices_, GLsizeiptr(moved_indices_bytes_), nullptr, GL_STREAM_COPY);
-        }
-        glCopyNamedBufferSubData(indices, moved_indices_, GLintptr(command.indices.offset), 0,
-                                 GLsizeiptr(command.indices.size));
-        indices = moved_indices_;
-    }
-    bind_indices(indices);
+    bind_indices(resources_.buffer(command.indices.buffer));
     glMultiDrawElementsIndirect(topology, gl_index_type(command.index_type), arguments,
                                 GLsizei(command.draws), GLsizei(command.stride));
 }

@@ -61,7 +61,8 @@ FormatCaps query_caps(Format format) {
     const bool compressed = gl_format(format).transfer == GL_NONE;
     const rhi::FormatKind kind = rhi::format_info(format).kind;
     const bool integer = kind == rhi::FormatKind::uint || kind == rhi::FormatKind::sint;
-    add(!integer && ask(GL_FILTER), FormatCaps::linear_filter);
+    // Vulkan drivers need not filter depth, so nothing may rely on it.
+    add(!integer && kind != rhi::FormatKind::depth && ask(GL_FILTER), FormatCaps::linear_filter);
     if (compressed) return caps;
     // The specification's table of image formats has neither sRGB nor depth, whatever a driver answers.
     const bool image = kind != rhi::FormatKind::srgb && kind != rhi::FormatKind::depth;
