@@ -393,19 +393,16 @@ void GlBackend::run(const rhi::CopyBufferToTextureCommand& command) {
     const auto bytes = GLsizei(command.source.size);
     state_.buffer(GL_PIXEL_UNPACK_BUFFER, resources_.buffer(command.source.buffer));
 
-    using enum rhi::Dimension;
-    const rhi::Dimension dimension = texture.desc.dimension;
     const bool compressed = format.transfer == GL_NONE;
-    if (dimension == d1) {
+    const bool flat = is_2d(texture.desc.dimension);
+    if (texture.desc.dimension == rhi::Dimension::d1) {
         glTextureSubImage1D(texture.name, mip, box.x, box.width, format.transfer, format.type, texels);
-    } else if (dimension == d2 || dimension == d1_array) {
-        if (compressed) {
-            glCompressedTextureSubImage2D(texture.name, mip, box.x, box.y, box.width, box.height,
-                                          format.internal, bytes, texels);
-        } else {
-            glTextureSubImage2D(texture.name, mip, box.x, box.y, box.width, box.height, format.transfer,
-                                format.type, texels);
-        }
+    } else if (flat && compressed) {
+        glCompressedTextureSubImage2D(texture.name, mip, box.x, box.y, box.width, box.height, format.internal,
+                                      bytes, texels);
+    } else if (flat) {
+        glTextureSubImage2D(texture.name, mip, box.x, box.y, box.width, box.height, format.transfer,
+                            format.type, texels);
     } else if (compressed) {
         glCompressedTextureSubImage3D(texture.name, mip, box.x, box.y, box.z, box.width, box.height,
                                       box.depth, format.internal, bytes, texels);

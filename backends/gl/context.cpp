@@ -89,12 +89,11 @@ std::unique_ptr<Context> open_on(EGLDisplay display, bool debug) {
                                      EGL_NONE};
         EGLContext made = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
         if (made == EGL_NO_CONTEXT) continue;
-        if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, made)) {
-            eglDestroyContext(display, made);
-            continue;
+        // From a context of this version on, epoxy finds every function that is called.
+        if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, made) &&
+            epoxy_gl_version() >= needed_version) {
+            return std::make_unique<Context>(display, made);
         }
-        // From here on epoxy may resolve functions: all that are called exist in this version.
-        if (epoxy_gl_version() >= needed_version) return std::make_unique<Context>(display, made);
         eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         eglDestroyContext(display, made);
     }

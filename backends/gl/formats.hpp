@@ -26,6 +26,11 @@ constexpr bool is_layered(rhi::Dimension dimension) {
            dimension == cube_array;
 }
 
+/// Has texels in x and y alone, as texture commands take them.
+constexpr bool is_2d(rhi::Dimension dimension) {
+    return dimension == rhi::Dimension::d2 || dimension == rhi::Dimension::d1_array;
+}
+
 /// A region as texture commands take it: layers count in y of 1D arrays, else in z.
 struct Box {
     GLint x, y, z;

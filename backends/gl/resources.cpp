@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <string>
 
+#include "rhi/rhi.hpp"
+
 namespace lumo::backends::gl {
 namespace {
 
@@ -22,44 +24,25 @@ GLint gl_address(rhi::AddressMode mode) {
     return modes[size_t(mode)];
 }
 
-/// Bytes of all mips, layers and samples; OpenGL does not tell what the driver takes.
+/// What the texels take; OpenGL does not tell what the driver adds.
 uint64_t texture_bytes(const rhi::TextureDesc& desc) {
-    const rhi::FormatInfo& format = rhi::format_info(desc.format);
-    auto blocks = [&](uint32_t side) { return uint64_t(side + format.block_side - 1) / format.block_side; };
     uint64_t bytes = 0;
-    for (uint32_t mip = 0; mip < desc.mips; ++mip) {
-        const rhi::Extent extent = rhi::mip_extent(desc.extent, mip);
-        bytes += blocks(extent.width) * blocks(extent.height) * extent.depth * format.bytes_per_block;
-    }
-    return bytes * desc.layers * desc.samples;
+    for (uint32_t mip = 0; mip < desc.mips; ++mip) bytes += region_bytes(desc.format, whole_mip(desc, mip));
+    return bytes * desc.samples;
 }
 
 void allocate(GLuint name, const rhi::TextureDesc& desc) {
     const GLenum internal = gl_format(desc.format).internal;
-    const auto mips = GLsizei(desc.mips), width = GLsizei(desc.extent.width),
-               height = GLsizei(desc.extent.height), depth = GLsizei(desc.extent.depth),
-               layers = GLsizei(desc.layers);
-    switch (desc.dimension) {
-        case Dimension::d1:
-            glTextureStorage1D(name, mips, internal, width);
-            break;
-        case Dimension::d1_array:
-            glTextureStorage2D(name, mips, internal, width, layers);
-            break;
-        case Dimension::d2:
-        case Dimension::cube:
-            glTextureStorage2D(name, mips, internal, width, height);
-            break;
-        case Dimension::d3:
-            glTextureStorage3D(name, mips, internal, width, height, depth);
-            break;
-        case Dimension::d2_array:
-        case Dimension::cube_array:
-            glTextureStorage3D(name, mips, internal, width, height, layers);
-            break;
-        case Dimension::d2_multisample:
-            glTextureStorage2DMultisample(name, GLsizei(desc.samples), internal, width, height, GL_TRUE);
-            break;
+    const auto mips = GLsizei(desc.mips), samples = GLsizei(desc.samples);
+    const Box box = gl_box(desc.dimension, whole_mip(desc));
+    if (desc.dimension == Dimension::d2_multisample) {
+        glTextureStorage2DMultisample(name, samples, internal, box.width, box.height, GL_TRUE);
+    } else if (desc.dimension == Dimension::d1) {
+        glTextureStorage1D(name, mips, internal, box.width);
+    } else if (is_2d(desc.dimension) || desc.dimension == Dimension::cube) {
+        glTextureStorage2D(name, mips, internal, box.width, box.height);
+    } else {
+        glTextureStorage3D(name, mips, internal, box.width, box.height, box.depth);
     }
 }
 
