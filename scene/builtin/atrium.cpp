@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <initializer_list>
+#include <map>
 
 #include "scene/builtin/scenes.hpp"
 #include "scene/builtin/textures.hpp"
@@ -29,7 +31,7 @@ Palette add_palette(Scene& scene) {
     palette.ashlar = surface("ashlar", ashlar, 2.24f);
     palette.rosso = tinted("rosso", palette.limestone, {0.80f, 0.45f, 0.36f});
     palette.plaster = surface("plaster", plaster, 3);
-    palette.rose_plaster = tinted("rose plaster", palette.plaster, {1.0f, 0.80f, 0.68f});
+    palette.rose_plaster = tinted("rose plaster", palette.plaster, {1.0f, 0.80f, 0.66f});
     palette.marble = surface("marble", marble, 1.5f);
     palette.inlay = surface("inlaid paving", inlay, 2.8f);
     palette.brick = surface("brick floor", brick_floor, 1.12f);
@@ -44,12 +46,12 @@ Palette add_palette(Scene& scene) {
     palette.fruit = plain("lemons", {0.85f, 0.55f, 0.04f}, 0.5f);
     palette.soil = plain("soil", {0.08f, 0.055f, 0.04f}, 1);
 
-    palette.linen = surface("linen", damask, 0.7f);
-    scene.materials[palette.linen.material].double_sided = true;
-    palette.cloth = {tinted("red cloth", palette.linen, {0.60f, 0.045f, 0.035f}),
-                     tinted("green cloth", palette.linen, {0.05f, 0.30f, 0.10f}),
-                     tinted("blue cloth", palette.linen, {0.04f, 0.11f, 0.46f}),
-                     tinted("ochre cloth", palette.linen, {0.80f, 0.46f, 0.09f})};
+    const Finish linen = surface("linen", damask, 0.7f);
+    scene.materials[linen.material].double_sided = true;
+    palette.cloth = {tinted("red cloth", linen, {0.60f, 0.045f, 0.035f}),
+                     tinted("green cloth", linen, {0.05f, 0.30f, 0.10f}),
+                     tinted("blue cloth", linen, {0.04f, 0.11f, 0.46f}),
+                     tinted("ochre cloth", linen, {0.80f, 0.46f, 0.09f}), linen};
     return palette;
 }
 
@@ -121,48 +123,50 @@ void add_court(Scene& scene, const Palette& palette) {
     place(add_mesh(scene, "court floor", court_floor(palette)), glm::mat4(1));
     place(add_mesh(scene, "fountain", fountain(palette)), glm::mat4(1));
     const uint32_t tree = add_mesh(scene, "lemon tree", lemon_tree(palette));
-    for (const float x : {-7.0f, 7.0f}) {
-        for (const float z : {-3.6f, 3.6f}) {
+    for (const float x : {-9.7f, 9.7f}) {
+        for (const float z : {-4.1f, 4.1f}) {
             place(tree, translation({x, 0, z}) * rotation_y(x + 2 * z));
         }
     }
 }
 
 void add_cloth(Scene& scene, const Palette& palette) {
-    enum { red, green, blue, ochre };
+    enum Color { red, green, blue, ochre, linen };
     struct Hanging {
-        int side, bay, color;
+        int side, bay;
+        Color color;
     };
-    const auto place = [&](const Hanging& hanging, uint32_t mesh) {
-        const Side s = side(hanging.side);
-        const float x = bay_width * (float(hanging.bay) - 0.5f * float(s.bays - 1));
-        scene.instances.push_back({.mesh = mesh, .world_from_object = s.placement * translation({x, 0, 0})});
+    const auto hang = [&](const char* name, auto make_model, std::initializer_list<Hanging> places) {
+        std::map<Color, uint32_t> meshes;
+        for (const Hanging& place : places) {
+            if (!meshes.contains(place.color)) {
+                meshes[place.color] = add_mesh(scene, name, make_model(place.color));
+            }
+            const Side s = side(place.side);
+            const float x = bay_width * (float(place.bay) - 0.5f * float(s.bays - 1));
+            scene.instances.push_back(
+                {.mesh = meshes[place.color], .world_from_object = s.placement * translation({x, 0, 0})});
+        }
     };
-    std::array<uint32_t, 4> drawn, tied, banners;
-    for (size_t color = 0; color < 4; ++color) {
-        const Finish& cloth = palette.cloth[color];
-        drawn[color] = add_mesh(scene, "drawn curtain", drawn_curtain(cloth, palette));
-        tied[color] = add_mesh(scene, "tied curtain", tied_curtain(cloth, palette));
-        banners[color] =
-            add_mesh(scene, "banner", banner(cloth, palette.cloth[color == ochre ? red : ochre]));
-    }
-    for (const Hanging& h : {Hanging{0, 1, red}, {0, 5, green}, {1, 1, blue}, {2, 2, ochre}})
-        place(h, drawn[h.color]);
-    for (const Hanging& h : {Hanging{0, 3, blue}, {0, 7, ochre}, {1, 3, red}, {3, 2, green}, {2, 6, red}})
-        place(h, tied[h.color]);
-    for (const Hanging& h : {Hanging{0, 0, ochre},
-                             {0, 2, green},
-                             {0, 4, red},
-                             {0, 6, blue},
-                             {0, 8, ochre},
-                             {1, 2, red},
-                             {3, 1, blue},
-                             {3, 3, ochre},
-                             {2, 1, red},
-                             {2, 4, blue},
-                             {2, 7, green}}) {
-        place(h, banners[h.color]);
-    }
+    hang("drawn curtain", [&](Color color) { return drawn_curtain(palette.cloth[color], palette); },
+         {{0, 1, red}, {0, 5, green}, {1, 1, blue}, {2, 2, ochre}, {3, 1, linen}});
+    hang("tied curtain", [&](Color color) { return tied_curtain(palette.cloth[color], palette); },
+         {{0, 3, blue}, {0, 7, ochre}, {1, 3, red}, {3, 2, green}, {2, 6, red}});
+    hang("banner",
+         [&](Color color) {
+             return banner(palette.cloth[color], palette.cloth[color == ochre ? red : ochre]);
+         },
+         {{0, 0, ochre},
+          {0, 2, green},
+          {0, 4, red},
+          {0, 6, blue},
+          {0, 8, ochre},
+          {1, 2, red},
+          {3, 1, blue},
+          {3, 3, ochre},
+          {2, 1, red},
+          {2, 4, blue},
+          {2, 7, green}});
 }
 
 }  // namespace
@@ -177,26 +181,26 @@ Scene make_atrium() {
     atrium::add_cloth(scene, palette);
 
     // Late morning: the sun comes over the roof at one's right, onto the floor and the far arcade.
-    const glm::vec3 to_sun = glm::normalize(glm::vec3(-0.30f, 0.85f, 0.37f));
+    const glm::vec3 to_sun = glm::normalize(glm::vec3(-0.36f, 1, 0.38f));
     scene.lights.push_back({.name = "sun",
                             .kind = LightKind::directional,
-                            .intensity = {8.2f, 7.3f, 5.9f},
+                            .intensity = {7.6f, 6.7f, 5.3f},
                             .direction = -to_sun});
     scene.environment_radiance = {0.32f, 0.43f, 0.60f};
     scene.cameras = {
         {.name = "court",
-         .position = {-10.9f, 1.9f, 4.7f},
-         .target = {0.5f, 3.5f, -2.0f},
+         .position = {-8.3f, 1.7f, 5.0f},
+         .target = {0.6f, 3.35f, -1.8f},
          .vertical_fov = 1.05f,
          .far_plane = 100},
         {.name = "gallery",
-         .position = {-13.6f, 1.95f, -8.9f},
-         .target = {0, 2.3f, -8.3f},
+         .position = {-13.8f, 1.9f, -8.8f},
+         .target = {0, 2.35f, -8.65f},
          .vertical_fov = 1.0f,
          .far_plane = 100},
         {.name = "balcony",
-         .position = {13.6f, 7.5f, 6.0f},
-         .target = {-1, 4.2f, -2},
+         .position = {13.1f, 7.55f, 2.9f},
+         .target = {-2, 3.4f, -1.4f},
          .vertical_fov = 1.05f,
          .far_plane = 100},
         {.name = "fountain",

@@ -29,8 +29,8 @@ constexpr float paving_edge = 1.40f;  ///< from the columns' axis to the court's
 
 struct Palette {
     Finish limestone, ashlar, rosso, plaster, rose_plaster, marble, inlay, brick, clay, wood, glaze, bronze,
-        water, leaf, fruit, soil, linen;
-    std::array<Finish, 4> cloth;  ///< red, green, blue, ochre
+        water, leaf, fruit, soil;
+    std::array<Finish, 5> cloth;  ///< red, green, blue, ochre, linen
 };
 Palette add_palette(Scene& scene);
 

@@ -44,14 +44,29 @@ Profile shaft_profile(const Shaft& shaft) {
 }
 
 /// An acanthus leaf, reduced: rises along the bell and rolls out at its tip. Foot at the origin, outward +Z.
-Geometry capital_leaf(float width, float height, float roll) {
-    return grid({.columns = 2, .rows = 4, .metres = {width, height}}, [=](float s, float t) {
+struct CapitalLeaf {
+    float width, height, roll;
+
+    glm::vec3 front(float s, float t) const {
         const float across = 2 * s - 1;
         const float half_width = 0.5f * width * (1 - 0.7f * t * t * t);
-        return glm::vec3(across * half_width, height * (1.35f * t - 0.45f * t * t * t),
-                         roll * t * t * t + 0.2f * width * (1 - across * across) * (1 - 0.5f * t));
-    });
-}
+        return {across * half_width, height * (1.35f * t - 0.45f * t * t * t),
+                0.006f + roll * t * t * t - 2.4f * half_width * half_width * across * across * (1 - t)};
+    }
+
+    /// Meets the front at the rim and lies up to 1.4 cm behind it.
+    glm::vec3 back(float s, float t) const {
+        const float across = 2 * s - 1;
+        return front(s, t) + (1 - across * across) * (1 - t * t) * glm::vec3(0, 0.014f, -0.014f);
+    }
+
+    Geometry both_faces(uint32_t rows) const {
+        const GridShape shape{.columns = 2, .rows = rows, .metres = {width, height}};
+        Geometry leaf = grid(shape, [&](float s, float t) { return front(s, t); });
+        append(leaf, reversed(grid(shape, [&](float s, float t) { return back(s, t); })));
+        return leaf;
+    }
+};
 
 /// A square slab with a moulded edge, its top at height.
 Geometry abacus(float apothem, float foot, float top) {
@@ -129,15 +144,18 @@ Model ground_column(const Palette& palette) {
         shaft_profile({.base = 0.13f, .neck = neck, .foot_radius = 0.245f, .neck_radius = 0.205f});
     add(profile,
         {{0.2f, neck + 0.02f}, {0.205f, neck + 0.2f}, {0.225f, neck + 0.34f}, {0.275f, neck + 0.46f}});
-    append(stone, lathe(profile, 16));
+    append(stone, lathe(profile, 14));
     append(stone, abacus(0.335f, height - 0.17f, height));
+    // Eight leaves lie on the bell; four larger ones carry the abacus at its corners.
+    const Geometry low = CapitalLeaf{.width = 0.15f, .height = 0.24f, .roll = 0.08f}.both_faces(3);
+    const Geometry corner = CapitalLeaf{.width = 0.12f, .height = 0.37f, .roll = 0.17f}.both_faces(4);
     for (int i = 0; i < 8; ++i) {
         const glm::mat4 turn = rotation_y(half_pi * 0.5f * float(i));
-        append(stone, capital_leaf(0.15f, 0.24f, 0.08f), turn * translation({0, neck + 0.01f, 0.205f}));
+        append(stone, low, turn * translation({0, neck + 0.01f, 0.205f}));
     }
     for (int i = 0; i < 4; ++i) {
         const glm::mat4 turn = rotation_y(half_pi * (float(i) + 0.5f));
-        append(stone, capital_leaf(0.12f, 0.37f, 0.17f), turn * translation({0, neck + 0.08f, 0.215f}));
+        append(stone, corner, turn * translation({0, neck + 0.08f, 0.215f}));
     }
     Model model;
     append(model[palette.limestone], stone, translation({0, ground_floor, 0}));
@@ -196,7 +214,7 @@ Model ground_arch(const Palette& palette) {
     const float w = wall_half, r = arch_ring;
     append(model[palette.limestone],
            archivolt({{{-w, r}, {-w - 0.03f, r}, {-w - 0.03f, 0}, {w + 0.03f, 0}, {w + 0.03f, r}, {w, r}}},
-                     glm::vec2(arch_radius), 18),
+                     glm::vec2(arch_radius), 16),
            translation({0, ground_spring, 0}));
 
     constexpr int stones = 15;  // an odd number puts a stone at the crown
@@ -228,7 +246,7 @@ Model upper_arch(const Palette& palette) {
                        {w + 0.075f, 0.215f},
                        {w + 0.075f, r},
                        {w, r}}},
-                     glm::vec2(arch_radius), 18),
+                     glm::vec2(arch_radius), 16),
            translation({0, upper_spring, 0}));
     append(model[palette.limestone],
            voussoir(half_pi - 0.09f, half_pi + 0.09f, arch_radius - 0.03f, arch_radius + r + 0.1f, -w - 0.05f,
@@ -259,7 +277,7 @@ Model balustrade(const Palette& palette) {
                                       {0.034f, 0.74f},
                                       {0.062f, 0.79f},
                                       {0.062f, 0.87f}}},
-                                    8);
+                                    7);
     constexpr int count = 5;
     for (int i = 0; i < count; ++i) {
         append(stone, baluster, translation({2 * half_span * ((float(i) + 0.5f) / count - 0.5f), 0, 0}));
@@ -281,9 +299,9 @@ Model roundel(const Palette& palette) {
                    {0.235f, 0.055f},
                    {0.215f, 0.02f},
                    {0.21f, 0.0f}}},
-                 14),
+                 12),
            on_wall);
-    append(model[palette.glaze], lathe({{{0.215f, 0.012f}, {0.14f, 0.022f}, {0.07f, 0.05f}, {0, 0.06f}}}, 14),
+    append(model[palette.glaze], lathe({{{0.215f, 0.012f}, {0.14f, 0.022f}, {0.07f, 0.05f}, {0, 0.06f}}}, 12),
            on_wall);
     return model;
 }

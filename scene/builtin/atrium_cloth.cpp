@@ -27,14 +27,14 @@ glm::vec3 held_back(float s, float t) {
     const float above = std::clamp((t - tie) / (1 - tie), 0.0f, 1.0f);
     const float below = std::clamp((tie - t) / tie, 0.0f, 1.0f);
     const float drawn =
-        t > tie ? 0.90f * std::pow(1 - above, 1.6f) : glm::mix(0.90f, 0.66f, std::sqrt(below) * below);
+        t > tie ? 0.76f * std::pow(1 - above, 1.6f) : glm::mix(0.76f, 0.56f, std::sqrt(below) * below);
     const float width = 2 * rod_half * 0.5f * (1 - drawn);
     const float x = rod_half - 0.04f - (1 - s) * width;
     // The edge sags as it is drawn.
     const float sag = 0.22f * drawn * (1 - s) * above;
-    const float amplitude = 0.035f + 0.06f * drawn;
-    const float phase = 2 * pi * 6.5f * s;
-    return {x, y - sag, amplitude * std::sin(phase) + 0.02f * std::sin(2.3f * phase + 4 * t)};
+    const float amplitude = 0.034f;
+    const float phase = 2 * pi * 4.5f * s;
+    return {x, y - sag, amplitude * std::sin(phase) + 0.012f * std::sin(0.6f * phase + 4 * t)};
 }
 
 }  // namespace
@@ -44,10 +44,10 @@ Model drawn_curtain(const Finish& cloth, const Palette& palette) {
     add_rod(model, palette);
     const float foot = ground_floor + 0.10f;
     append(model[cloth],
-           grid({.columns = 54, .rows = 8, .metres = {3.4f, rod_height - foot}}, [=](float s, float t) {
-               const float phase = 2 * pi * 9 * s + 0.8f * std::sin(7 * s);
+           grid({.columns = 56, .rows = 6, .metres = {3.4f, rod_height - foot}}, [=](float s, float t) {
+               const float phase = 2 * pi * 7 * s + 0.8f * std::sin(7 * s);
                const float swing = (1 - t) * (1 - t);
-               const float amplitude = 0.05f + 0.05f * swing;
+               const float amplitude = 0.05f + 0.035f * swing;
                return glm::vec3((2 * s - 1) * (rod_half - 0.03f) + 0.02f * std::cos(phase) * swing,
                                 foot + (rod_height - foot) * t,
                                 amplitude * std::sin(phase + 0.5f * std::sin(3 * t)) +
@@ -60,7 +60,7 @@ Model tied_curtain(const Finish& cloth, const Palette& palette) {
     Model model;
     add_rod(model, palette);
     Geometry half;
-    append(half, grid({.columns = 26, .rows = 11, .metres = {1.9f, rod_height - ground_floor}}, held_back));
+    append(half, grid({.columns = 30, .rows = 10, .metres = {1.9f, rod_height - ground_floor}}, held_back));
     append(model[cloth], half);
     append(model[cloth], half, rotation_y(pi));
     // The ties.
@@ -96,9 +96,9 @@ Model banner(const Finish& cloth, const Finish& trim) {
     const float metres = behind + across + length;
     // From the tail up, so that its front looks to the court.
     Model model;
-    append(model[cloth], grid({.columns = 14, .rows = 18, .metres = {2 * half_width, border * metres}},
+    append(model[cloth], grid({.columns = 14, .rows = 14, .metres = {2 * half_width, border * metres}},
                               [=](float s, float t) { return position(s, border * (1 - t)); }));
-    append(model[trim], grid({.columns = 14, .rows = 2, .metres = {2 * half_width, (1 - border) * metres}},
+    append(model[trim], grid({.columns = 14, .rows = 1, .metres = {2 * half_width, (1 - border) * metres}},
                              [=](float s, float t) { return position(s, border + (1 - border) * (1 - t)); }));
     return model;
 }

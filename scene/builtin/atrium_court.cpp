@@ -139,14 +139,14 @@ Model lemon_tree(const Palette& palette) {
                                         {0.42f, 0.71f},
                                         {0.36f, 0.71f},
                                         {0.34f, 0.60f}}},
-                                      24));
+                                      16));
     append(model[palette.soil], disc(0.355f, 0.655f, 16));
     append(model[palette.wood], lathe({{{0.05f, 0.6f}, {0.035f, 0.9f}, {0.03f, 1.5f}, {0.0f, 1.9f}}}, 8));
 
     const glm::vec3 center(0, 1.88f, 0), radii(0.60f, 0.52f, 0.60f);
     std::minstd_rand random(7);
     const auto uniform = [&] { return float(random() - random.min()) / float(random.max() - random.min()); };
-    constexpr int leaves = 420;
+    constexpr int leaves = 380;
     const Geometry blade = leaf(0.155f);
     for (int i = 0; i < leaves; ++i) {
         const glm::vec3 n = sphere_point(i, leaves);
@@ -174,7 +174,7 @@ Model lemon_tree(const Palette& palette) {
     constexpr int fruits = 9;
     for (int i = 0; i < fruits; ++i) {
         const glm::vec3 n = sphere_point(i, fruits);
-        append(model[palette.fruit], sphere(0.048f, 7, 5),
+        append(model[palette.fruit], sphere(0.048f, 6, 4),
                translation(center + radii * n * 0.98f - glm::vec3(0, 0.04f, 0)));
     }
     return model;

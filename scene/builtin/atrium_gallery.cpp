@@ -32,9 +32,11 @@ Geometry raised_field(glm::vec2 min, glm::vec2 max, float depth) {
                    {inner_min.x, inner_max.y, depth}}});
 }
 
+constexpr float frame_foot = 0.16f;  // how far frames and leaves reach back from their front's plane
+
 /// A wooden leaf of that size about x = 0 with raised fields, its foot at the origin, standing 4 cm out.
 Geometry wooden_leaf(glm::vec2 size, int fields) {
-    Geometry wood = box({-0.5f * size.x, 0, -0.05f}, {0.5f * size.x, size.y, 0.04f});
+    Geometry wood = box({-0.5f * size.x, 0, -frame_foot}, {0.5f * size.x, size.y, 0.04f});
     const float height = (size.y - 0.09f) / float(fields);
     for (int i = 0; i < fields; ++i) {
         const glm::vec2 min(-0.5f * size.x + 0.08f, 0.09f + height * float(i));
@@ -44,14 +46,14 @@ Geometry wooden_leaf(glm::vec2 size, int fields) {
     return wood;
 }
 
-/// An opening's stone frame on the wall: jambs and lintel of that width about an opening, with a cornice over
+/// An opening's stone frame: jambs and lintel of that width about an opening, with a cornice over
 /// it.
 Geometry opening_frame(glm::vec2 opening, float width) {
     const float half = 0.5f * opening.x;
-    Geometry stone = box({-half - width, 0, -0.05f}, {-half, opening.y, 0.12f});
-    append(stone, box({half, 0, -0.05f}, {half + width, opening.y, 0.12f}));
-    append(stone,
-           box({-half - width - 0.02f, opening.y, -0.05f}, {half + width + 0.02f, opening.y + width, 0.14f}));
+    Geometry stone = box({-half - width, 0, -frame_foot}, {-half, opening.y, 0.12f});
+    append(stone, box({half, 0, -frame_foot}, {half + width, opening.y, 0.12f}));
+    append(stone, box({-half - width - 0.02f, opening.y, -frame_foot},
+                      {half + width + 0.02f, opening.y + width, 0.14f}));
     const float foot = opening.y + width;
     const Profile cornice{{{0.0f, foot - 0.01f},
                            {0.14f, foot},
@@ -63,14 +65,15 @@ Geometry opening_frame(glm::vec2 opening, float width) {
     const float length = opening.x + 2 * width + 0.04f;
     append(stone, moulding(cornice, length, -1, -1), translation({-0.5f * length, 0, 0}));
     // The cornice turns back to the wall at its ends.
-    append(stone, moulding(cornice, 0.05f, 0, -1),
-           translation({-0.5f * length, 0, -0.05f}) * rotation_y(-0.5f * pi));
-    append(stone, moulding(cornice, 0.05f, -1, 0),
+    append(stone, moulding(cornice, frame_foot, 0, -1),
+           translation({-0.5f * length, 0, -frame_foot}) * rotation_y(-0.5f * pi));
+    append(stone, moulding(cornice, frame_foot, -1, 0),
            translation({0.5f * length, 0, 0}) * rotation_y(0.5f * pi));
     return stone;
 }
 
-glm::mat4 on_back_wall(float height) { return translation({0, height, -gallery_depth}); }
+/// Where an opening stands: clear of the dado, which runs on behind it.
+glm::mat4 on_back_wall(float height) { return translation({0, height, -gallery_depth + 0.1f}); }
 
 constexpr glm::vec2 eave{0.85f, 11.14f};  // z and y in a side's frame
 constexpr glm::vec2 ridge{-gallery_depth - back_wall - 0.2f, 13.0f};
@@ -87,7 +90,7 @@ void add_tiles(Geometry& to, float side_length) {
     const auto half_count = int((0.5f * side_length - ridge.x) / spacing);
     for (int i = -half_count; i <= half_count; ++i) {
         const float x = spacing * float(i);
-        const float foot_z = std::min(eave.x + 0.04f, 0.5f * side_length - std::abs(x));
+        const float foot_z = std::min(eave.x, 0.5f * side_length - std::abs(x));
         const glm::vec3 foot(x, eave.y + (foot_z - eave.x) * slope.y / slope.x, foot_z),
             top(x, ridge.y, ridge.x);
         const float length = glm::distance(foot, top);
@@ -241,12 +244,7 @@ Model vault(const Palette& palette, float half_width) {
 Model vault_rib(const Palette& palette) {
     Model model;
     append(model[palette.limestone],
-           archivolt({{{-0.2f, 0.03f},
-                       {-0.2f, -0.06f},
-                       {-0.16f, -0.10f},
-                       {0.16f, -0.10f},
-                       {0.2f, -0.06f},
-                       {0.2f, 0.03f}}},
+           archivolt({{{-0.2f, 0.03f}, {-0.2f, -0.09f}, {0.2f, -0.09f}, {0.2f, 0.03f}}},
                      {vault_half_depth, vault_rise}, 12),
            translation({0, ground_spring, vault_center}) * rotation_y(0.5f * pi));
     const float top = ground_spring, foot = ground_floor;
@@ -254,10 +252,6 @@ Model vault_rib(const Palette& palette) {
            prism({{{0.27f, foot},
                    {0.27f, foot + 0.22f},
                    {0.23f, foot + 0.28f},
-                   {0.23f, top - 0.24f},
-                   {0.25f, top - 0.22f},
-                   {0.25f, top - 0.19f},
-                   {0.23f, top - 0.17f},
                    {0.23f, top - 0.13f},
                    {0.28f, top - 0.08f},
                    {0.28f, top},
@@ -285,7 +279,7 @@ Model window(const Palette& palette) {
     const glm::mat4 place = on_back_wall(upper_floor + 0.95f);
     Model model;
     append(model[palette.limestone], opening_frame(opening, 0.16f), place);
-    append(model[palette.limestone], box({-0.74f, -0.12f, -0.05f}, {0.74f, 0.0f, 0.2f}), place);
+    append(model[palette.limestone], box({-0.74f, -0.12f, -frame_foot}, {0.74f, 0.0f, 0.2f}), place);
     for (const float x : {-0.25f * opening.x, 0.25f * opening.x}) {
         append(model[palette.wood], wooden_leaf({0.5f * opening.x - 0.006f, opening.y}, 2),
                place * translation({x, 0, 0}));

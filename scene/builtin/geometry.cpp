@@ -84,6 +84,17 @@ void append(Geometry& to, const Geometry& from, const glm::mat4& placement) {
     }
 }
 
+Geometry reversed(Geometry geometry) {
+    for (Vertex& vertex : geometry.vertices) {
+        vertex.normal = -vertex.normal;
+        vertex.tangent.w = -vertex.tangent.w;
+    }
+    for (size_t i = 0; i < geometry.indices.size(); i += 3) {
+        std::swap(geometry.indices[i + 1], geometry.indices[i + 2]);
+    }
+    return geometry;
+}
+
 void append(Model& to, const Model& from, const glm::mat4& placement) {
     for (const auto& [finish, geometry] : from.parts()) append(to[finish], geometry, placement);
 }

@@ -45,6 +45,9 @@ class Model {
 void append(Geometry& to, const Geometry& from, const glm::mat4& placement = glm::mat4(1));
 void append(Model& to, const Model& from, const glm::mat4& placement = glm::mat4(1));
 
+/// The same surface with its front on the other side.
+Geometry reversed(Geometry geometry);
+
 /// Adds the model as a mesh. Returns its index into Scene::meshes.
 uint32_t add_mesh(Scene& scene, std::string name, const Model& model);
 

@@ -81,10 +81,10 @@ SurfaceSample limestone(glm::vec2 p) {
         noise(p * glm::vec2(3, 22) + glm::vec2(0, fractal(p, glm::ivec2(4), 2, 5)), {3, 22}, 1);
     const float stain = fractal(p, glm::ivec2(4), 4, 2);
     const float grain = fractal(p, glm::ivec2(64), 3, 3);
-    const float pit = smooth(0.42f, 0.7f, noise(p * 70.0f, glm::ivec2(70), 4) - 0.25f * stain);
+    const float pit = smooth(0.50f, 0.8f, noise(p * 110.0f, glm::ivec2(110), 4) - 0.4f * stain);
     const glm::vec3 base(0.64f, 0.56f, 0.44f);
-    return {.albedo = base * (1 + 0.05f * beds + 0.22f * stain + 0.10f * grain) * (1 - 0.3f * pit),
-            .height = 0.0007f * grain + 0.001f * stain - 0.0025f * pit,
+    return {.albedo = base * (1 + 0.05f * beds + 0.22f * stain + 0.10f * grain) * (1 - 0.25f * pit),
+            .height = 0.0007f * grain + 0.001f * stain - 0.0012f * pit,
             .roughness = 0.72f + 0.1f * stain + 0.1f * pit};
 }
 
@@ -115,7 +115,7 @@ SurfaceSample plaster(glm::vec2 p) {
     const float trowel = fractal(p + 0.02f * glm::vec2(stain), {9, 14}, 4, 32);
     const float grain = noise(p * 160.0f, glm::ivec2(160), 33);
     const float patch = smooth(0.22f, 0.34f, fractal(p, glm::ivec2(5), 4, 34));
-    const glm::vec3 wash = glm::mix(glm::vec3(0.72f, 0.58f, 0.40f), glm::vec3(0.74f, 0.65f, 0.52f), patch);
+    const glm::vec3 wash = glm::mix(glm::vec3(0.80f, 0.69f, 0.52f), glm::vec3(0.82f, 0.74f, 0.61f), patch);
     return {.albedo = wash * (1 + 0.2f * stain + 0.03f * grain),
             .height = 0.005f * trowel + 0.0006f * grain + 0.0012f * patch,
             .roughness = 0.88f + 0.08f * trowel};
@@ -131,51 +131,70 @@ SurfaceSample marble(glm::vec2 p) {
 }
 
 SurfaceSample inlay(glm::vec2 p) {
-    const float half = 1.4f;
+    constexpr float half = 1.4f;  // of the tile
+    constexpr float inner =
+        half - 0.21f;  // half of the field; the band about it is shared with the next tile
+    constexpr float core_half = 0.30f, disc_radius = 0.27f;
     const glm::vec2 q = (p - 0.5f) * 2.0f * half;  // metres from the field's centre
     const glm::vec2 a = glm::abs(q);
-    const float wear = fractal(p, glm::ivec2(4), 5, 51);
-    const float vein = veins(p, 5, 0.18f, 52);
-    const float cloud = fractal(p, glm::ivec2(9), 4, 53);
+    const float to_field = std::max(a.x, a.y) - inner;
+    const float to_diamond = (a.x + a.y - inner) * 0.70710678f;
+    const float to_core = std::max(a.x, a.y) - core_half;
+    const float to_disc = glm::length(a - half) - disc_radius;
+    const int right = q.x > 0, up = q.y > 0;
 
-    const glm::vec3 rosso =
-        glm::mix(glm::vec3(0.36f, 0.13f, 0.085f), glm::vec3(0.55f, 0.32f, 0.24f), 0.7f * vein);
-    const glm::vec3 cream = glm::vec3(0.66f, 0.58f, 0.46f) * (1 + 0.25f * cloud) * (1 - 0.2f * vein);
-    const glm::vec3 slate = glm::vec3(0.25f, 0.27f, 0.27f) * (1 + 0.35f * cloud) + 0.14f * vein;
-    const glm::vec3 white = glm::vec3(0.72f, 0.69f, 0.63f) * (1 + 0.1f * cloud) * (1 - 0.25f * vein);
-
-    const float band = 0.21f;                                 // half of the band that frames the field
-    const float inner = half - band;                          // where the field begins
-    const float field = std::max(a.x, a.y) - inner;           // > 0 in the band
-    const float diamond = (a.x + a.y - inner) * 0.70710678f;  // > 0 in the field's corners
-    const float core = std::max(a.x, a.y) - 0.30f;            // < 0 in the middle square
-    const float disc = glm::length(a - half) - 0.27f;  // < 0 where the bands cross, about the tile's corners
-
-    SurfaceSample sample;
-    float joint = std::min(std::abs(field), std::abs(disc));
-    if (disc < 0) {
-        sample.albedo = white;
-        sample.roughness = 0.30f;
-    } else if (field > 0) {
-        sample.albedo = rosso;
-        sample.roughness = 0.27f;
-        joint = std::min(joint, std::min(a.x, a.y));
-    } else if (core < 0) {
-        sample.albedo = rosso;
-        sample.roughness = 0.27f;
-        joint = std::min(joint, std::abs(core));
-    } else if (diamond > 0) {
-        sample.albedo = slate;
-        sample.roughness = 0.34f;
-        joint = std::min(joint, std::abs(diamond));
+    // Which stone lies here, as which slab, and how far its nearest joint is.
+    enum { rosso, cream, slate, white } stone;
+    int slab;
+    float joint = std::min(std::abs(to_field), std::abs(to_disc));
+    if (to_disc < 0) {
+        stone = white;
+        slab = 0;
+    } else if (to_field > 0) {
+        stone = rosso;
+        slab = a.x > a.y ? 1 + up : 3 + right;
+        joint = std::min({joint, a.x, a.y});
+    } else if (to_core < 0) {
+        stone = rosso;
+        slab = 5;
+        joint = std::min(joint, -to_core);
+    } else if (to_diamond > 0) {
+        stone = slate;
+        slab = 6 + right + 2 * up;
+        joint = std::min(joint, to_diamond);
     } else {
-        sample.albedo = cream;
-        sample.roughness = 0.38f;
-        joint =
-            std::min({joint, std::abs(diamond), core, std::max(a.x, a.y) > 0.3f ? std::min(a.x, a.y) : 1.0f});
+        stone = cream;
+        slab = 10 + right + 2 * up;
+        joint = std::min({joint, -to_diamond, to_core, a.x, a.y});
+    }
+
+    // Each slab is cut from another place of its marble.
+    const glm::vec2 cut = p + glm::vec2(random_value(slab, 0, 54), random_value(slab, 1, 54));
+    const float vein = veins(cut, 5, 0.14f, 52);
+    const float cloud = fractal(cut, glm::ivec2(9), 4, 53);
+    const float wear = fractal(p, glm::ivec2(4), 5, 51);
+    SurfaceSample sample;
+    switch (stone) {
+        case rosso:
+            sample.albedo = glm::mix(glm::vec3(0.38f, 0.14f, 0.09f) * (1 + 0.3f * cloud),
+                                     glm::vec3(0.55f, 0.33f, 0.25f), 0.5f * vein);
+            sample.roughness = 0.27f;
+            break;
+        case cream:
+            sample.albedo = glm::vec3(0.66f, 0.58f, 0.46f) * (1 + 0.25f * cloud) * (1 - 0.15f * vein);
+            sample.roughness = 0.38f;
+            break;
+        case slate:
+            sample.albedo = glm::vec3(0.25f, 0.27f, 0.27f) * (1 + 0.45f * cloud) + 0.09f * vein;
+            sample.roughness = 0.34f;
+            break;
+        case white:
+            sample.albedo = glm::vec3(0.72f, 0.69f, 0.63f) * (1 + 0.12f * cloud) * (1 - 0.2f * vein);
+            sample.roughness = 0.30f;
+            break;
     }
     const float face = smooth(0.003f, 0.009f, joint);
-    sample.albedo *= glm::mix(0.55f, 1 + 0.14f * wear, face);
+    sample.albedo *= (0.94f + 0.12f * random_value(slab, 2, 54)) * glm::mix(0.55f, 1 + 0.14f * wear, face);
     sample.height = face * 0.0012f * (1 + wear) + 0.0004f * cloud;
     sample.roughness = glm::mix(0.9f, sample.roughness + 0.28f * smooth(-0.25f, 0.35f, wear), face);
     return sample;
@@ -194,8 +213,8 @@ SurfaceSample brick_floor(glm::vec2 p) {
     const float face = smooth(0.03f, 0.10f, edge);
     const float tone = random_value(wrap(origin.x, 8), wrap(origin.y, 8), 62);
     const float soil = fractal(p, glm::ivec2(6), 4, 63);
-    const glm::vec3 brick = glm::mix(glm::vec3(0.33f, 0.135f, 0.075f), glm::vec3(0.52f, 0.27f, 0.155f), tone);
-    return {.albedo = glm::mix(glm::vec3(0.36f, 0.31f, 0.25f), brick * (1 + 0.3f * soil), face),
+    const glm::vec3 brick = glm::mix(glm::vec3(0.43f, 0.20f, 0.115f), glm::vec3(0.60f, 0.36f, 0.225f), tone);
+    return {.albedo = glm::mix(glm::vec3(0.36f, 0.31f, 0.25f), brick * (1 + 0.2f * soil), face),
             .height = face * (0.003f + 0.002f * tone) + 0.0008f * soil,
             .roughness = glm::mix(0.95f, 0.55f + 0.2f * soil + 0.15f * tone, face)};
 }
