@@ -37,7 +37,7 @@ struct BindingInfo {
     TexelKind texel;      ///< sampled and storage_image
     Format format;        ///< storage_image: as declared in the shader; undefined for a write without format
     ShaderAccess access;
-    Stages stages;      ///< those that use it
+    Stages stages;      ///< those that use it, or where none does those that declare it
     uint32_t gl_slot;   ///< OpenGL's unit of its kind: texture, image, shader storage or uniform block
     uint32_t min_size;  ///< buffers: bytes of the fixed part of the block
 };

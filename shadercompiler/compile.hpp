@@ -18,9 +18,8 @@
 //   APIs have.
 //   - Group sizes are literal numbers.
 //
-// A binding that a source declares is in the program's bindings even where nothing uses it (its stages are
-// none then), so that what C++ must supply follows from what one reads in the source; optimised code may lack
-// it.
+// A binding that a source declares is in the program's bindings even where nothing uses it, so that what C++ must
+// supply follows from what one reads in the source; the optimised code may lack it.
 #pragma once
 
 #include <filesystem>

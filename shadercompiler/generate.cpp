@@ -55,17 +55,6 @@ std::string_view spelling(rhi::TexelKind kind) {
     return names[size_t(kind)];
 }
 
-std::string_view spelling(rhi::Format format) {
-    constexpr std::string_view names[rhi::format_count] = {
-        "undefined",      "r8_unorm",       "rg8_unorm",       "rgba8_unorm", "rgba8_srgb",
-        "rgba8_uint",     "rgb10a2_unorm",  "r11g11b10_float", "r16_uint",    "r16_float",
-        "rg16_float",     "rgba16_float",   "rgba16_unorm",    "r32_uint",    "r32_sint",
-        "r32_float",      "rg32_uint",      "rg32_float",      "rgba32_uint", "rgba32_float",
-        "d32_float",      "bc1_rgba_srgb",  "bc3_rgba_srgb",   "bc4_r_unorm", "bc5_rg_unorm",
-        "bc6h_rgb_float", "bc7_rgba_unorm", "bc7_rgba_srgb"};
-    return names[size_t(format)];
-}
-
 std::string_view spelling(BindingKind kind) {
     constexpr std::string_view names[] = {"sampled", "storage_image", "storage_buffer", "uniform_buffer"};
     return names[size_t(kind)];
@@ -128,7 +117,7 @@ std::string binding_comment(const BindingInfo& binding, const Block* block) {
         case BindingKind::sampled:
             return fmt::format("binding {}", binding.binding);
         case BindingKind::storage_image:
-            return fmt::format("binding {}, {}, {}", binding.binding, spelling(binding.format),
+            return fmt::format("binding {}, {}, {}", binding.binding, rhi::format_info(binding.format).name,
                                spelling(binding.access));
         case BindingKind::storage_buffer:
             return fmt::format("binding {}, at least {} bytes, {}", binding.binding, binding.min_size,
@@ -410,7 +399,8 @@ class Generator {
                 "     .gl_slot = {},\n"
                 "     .min_size = {}}},\n",
                 b.name, b.binding, spelling(b.kind), spelling(b.dimension), spelling(b.texel),
-                spelling(b.format), spelling(b.access), stages_expression(b.stages), b.gl_slot, b.min_size);
+                rhi::format_info(b.format).name, spelling(b.access), stages_expression(b.stages), b.gl_slot,
+                b.min_size);
         }
         std::string options;
         for (const rhi::OptionInfo& o : info_.options) {

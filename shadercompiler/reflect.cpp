@@ -162,7 +162,8 @@ struct Declaration {
     bool writeonly = false;
     bool read_write = false;  // by the macro
     Uses uses;
-    Stages stages{};
+    Stages stages{};    // that use it
+    Stages declared{};  // that declare it
 
     bool same_resource(const Declaration& o) const {
         return name == o.name && block_name == o.block_name && kind == o.kind && dimension == o.dimension &&
@@ -200,6 +201,7 @@ class Reflector {
                 if (const auto it = uses.of_variable.find(resource.id); it != uses.of_variable.end()) {
                     declaration.uses = it->second;
                 }
+                declaration.declared = stage.stage;
                 if (active.contains(resource.id)) declaration.stages = stage.stage;
                 add_binding(compiler, resource, std::move(declaration));
             }
@@ -258,7 +260,7 @@ class Reflector {
                 .texel = declaration.texel,
                 .format = declaration.format,
                 .access = access_of(declaration),
-                .stages = declaration.stages,
+                .stages = declaration.stages == Stages::none ? declaration.declared : declaration.stages,
                 .gl_slot = slots[size_t(declaration.kind)]++,
                 .min_size = declaration.min_size,
             });
@@ -398,6 +400,7 @@ class Reflector {
                             declaration.name, known.name);
         }
         known.stages |= declaration.stages;
+        known.declared |= declaration.declared;
         known.uses.atomic |= declaration.uses.atomic;
         known.uses.plain |= declaration.uses.plain;
     }
