@@ -1,134 +1,89 @@
 #include "backends/vulkan/convert.hpp"
 
+#include <array>
 #include <cstring>
 
 namespace lumo::backends::vulkan {
 
 using rhi::Access;
-using rhi::Dimension;
-using rhi::Format;
-using rhi::Layout;
 using rhi::Stages;
 
-VkFormat to_vk(Format format) {
-    switch (format) {
-        case Format::undefined:
-            return VK_FORMAT_UNDEFINED;
-        case Format::r8_unorm:
-            return VK_FORMAT_R8_UNORM;
-        case Format::rg8_unorm:
-            return VK_FORMAT_R8G8_UNORM;
-        case Format::rgba8_unorm:
-            return VK_FORMAT_R8G8B8A8_UNORM;
-        case Format::rgba8_srgb:
-            return VK_FORMAT_R8G8B8A8_SRGB;
-        case Format::rgba8_uint:
-            return VK_FORMAT_R8G8B8A8_UINT;
-        case Format::rgb10a2_unorm:
-            return VK_FORMAT_A2B10G10R10_UNORM_PACK32;
-        case Format::r11g11b10_float:
-            return VK_FORMAT_B10G11R11_UFLOAT_PACK32;
-        case Format::r16_uint:
-            return VK_FORMAT_R16_UINT;
-        case Format::r16_float:
-            return VK_FORMAT_R16_SFLOAT;
-        case Format::rg16_float:
-            return VK_FORMAT_R16G16_SFLOAT;
-        case Format::rgba16_float:
-            return VK_FORMAT_R16G16B16A16_SFLOAT;
-        case Format::rgba16_unorm:
-            return VK_FORMAT_R16G16B16A16_UNORM;
-        case Format::r32_uint:
-            return VK_FORMAT_R32_UINT;
-        case Format::r32_sint:
-            return VK_FORMAT_R32_SINT;
-        case Format::r32_float:
-            return VK_FORMAT_R32_SFLOAT;
-        case Format::rg32_uint:
-            return VK_FORMAT_R32G32_UINT;
-        case Format::rg32_float:
-            return VK_FORMAT_R32G32_SFLOAT;
-        case Format::rgba32_uint:
-            return VK_FORMAT_R32G32B32A32_UINT;
-        case Format::rgba32_float:
-            return VK_FORMAT_R32G32B32A32_SFLOAT;
-        case Format::d32_float:
-            return VK_FORMAT_D32_SFLOAT;
-        case Format::bc1_rgba_srgb:
-            return VK_FORMAT_BC1_RGBA_SRGB_BLOCK;
-        case Format::bc3_rgba_srgb:
-            return VK_FORMAT_BC3_SRGB_BLOCK;
-        case Format::bc4_r_unorm:
-            return VK_FORMAT_BC4_UNORM_BLOCK;
-        case Format::bc5_rg_unorm:
-            return VK_FORMAT_BC5_UNORM_BLOCK;
-        case Format::bc6h_rgb_float:
-            return VK_FORMAT_BC6H_UFLOAT_BLOCK;
-        case Format::bc7_rgba_unorm:
-            return VK_FORMAT_BC7_UNORM_BLOCK;
-        case Format::bc7_rgba_srgb:
-            return VK_FORMAT_BC7_SRGB_BLOCK;
-    }
-    return VK_FORMAT_UNDEFINED;
+// Tables are in the order of the RHI's enumerators.
+
+VkFormat to_vk(rhi::Format format) {
+    constexpr std::array<VkFormat, rhi::format_count> formats = {
+        VK_FORMAT_UNDEFINED,
+        VK_FORMAT_R8_UNORM,
+        VK_FORMAT_R8G8_UNORM,
+        VK_FORMAT_R8G8B8A8_UNORM,
+        VK_FORMAT_R8G8B8A8_SRGB,
+        VK_FORMAT_R8G8B8A8_UINT,
+        VK_FORMAT_A2B10G10R10_UNORM_PACK32,
+        VK_FORMAT_B10G11R11_UFLOAT_PACK32,
+        VK_FORMAT_R16_UINT,
+        VK_FORMAT_R16_SFLOAT,
+        VK_FORMAT_R16G16_SFLOAT,
+        VK_FORMAT_R16G16B16A16_SFLOAT,
+        VK_FORMAT_R16G16B16A16_UNORM,
+        VK_FORMAT_R32_UINT,
+        VK_FORMAT_R32_SINT,
+        VK_FORMAT_R32_SFLOAT,
+        VK_FORMAT_R32G32_UINT,
+        VK_FORMAT_R32G32_SFLOAT,
+        VK_FORMAT_R32G32B32A32_UINT,
+        VK_FORMAT_R32G32B32A32_SFLOAT,
+        VK_FORMAT_D32_SFLOAT,
+        VK_FORMAT_BC1_RGBA_SRGB_BLOCK,
+        VK_FORMAT_BC3_SRGB_BLOCK,
+        VK_FORMAT_BC4_UNORM_BLOCK,
+        VK_FORMAT_BC5_UNORM_BLOCK,
+        VK_FORMAT_BC6H_UFLOAT_BLOCK,
+        VK_FORMAT_BC7_UNORM_BLOCK,
+        VK_FORMAT_BC7_SRGB_BLOCK,
+    };
+    static_assert(formats[size_t(rhi::Format::d32_float)] == VK_FORMAT_D32_SFLOAT &&
+                  formats.back() == VK_FORMAT_BC7_SRGB_BLOCK);
+    return formats[size_t(format)];
 }
 
-VkImageAspectFlags aspect_of(Format format) {
-    return format == Format::d32_float ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+VkImageAspectFlags aspect_of(rhi::Format format) {
+    return format == rhi::Format::d32_float ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
-VkImageType image_type(Dimension dimension) {
-    switch (dimension) {
-        case Dimension::d1:
-        case Dimension::d1_array:
+VkImageType image_type(rhi::Dimension dimension) {
+    switch (view_type(dimension)) {
+        case VK_IMAGE_VIEW_TYPE_1D:
+        case VK_IMAGE_VIEW_TYPE_1D_ARRAY:
             return VK_IMAGE_TYPE_1D;
-        case Dimension::d3:
+        case VK_IMAGE_VIEW_TYPE_3D:
             return VK_IMAGE_TYPE_3D;
         default:
             return VK_IMAGE_TYPE_2D;
     }
 }
 
-VkImageViewType view_type(Dimension dimension) {
-    switch (dimension) {
-        case Dimension::d1:
-            return VK_IMAGE_VIEW_TYPE_1D;
-        case Dimension::d1_array:
-            return VK_IMAGE_VIEW_TYPE_1D_ARRAY;
-        case Dimension::d2:
-        case Dimension::d2_multisample:
-            return VK_IMAGE_VIEW_TYPE_2D;
-        case Dimension::d2_array:
-            return VK_IMAGE_VIEW_TYPE_2D_ARRAY;
-        case Dimension::d3:
-            return VK_IMAGE_VIEW_TYPE_3D;
-        case Dimension::cube:
-            return VK_IMAGE_VIEW_TYPE_CUBE;
-        case Dimension::cube_array:
-            return VK_IMAGE_VIEW_TYPE_CUBE_ARRAY;
-    }
-    return VK_IMAGE_VIEW_TYPE_2D;
+VkImageViewType view_type(rhi::Dimension dimension) {
+    constexpr VkImageViewType types[] = {VK_IMAGE_VIEW_TYPE_1D,         VK_IMAGE_VIEW_TYPE_2D,
+                                         VK_IMAGE_VIEW_TYPE_3D,         VK_IMAGE_VIEW_TYPE_CUBE,
+                                         VK_IMAGE_VIEW_TYPE_1D_ARRAY,   VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+                                         VK_IMAGE_VIEW_TYPE_CUBE_ARRAY, VK_IMAGE_VIEW_TYPE_2D};
+    static_assert(std::size(types) == size_t(rhi::Dimension::d2_multisample) + 1);
+    return types[size_t(dimension)];
 }
 
-VkImageLayout to_vk(Layout layout) {
-    switch (layout) {
-        case Layout::undefined:
-            return VK_IMAGE_LAYOUT_UNDEFINED;
-        case Layout::general:
-            return VK_IMAGE_LAYOUT_GENERAL;
-        case Layout::read_only:
-            return VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-        case Layout::color_attachment:
-            return VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-        case Layout::depth_attachment:
-            return VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-        case Layout::copy_source:
-            return VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-        case Layout::copy_destination:
-            return VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-        case Layout::present:
-            return VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
-    }
-    return VK_IMAGE_LAYOUT_UNDEFINED;
+VkImageLayout to_vk(rhi::Layout layout) {
+    constexpr VkImageLayout layouts[] = {
+        VK_IMAGE_LAYOUT_UNDEFINED,
+        VK_IMAGE_LAYOUT_GENERAL,
+        VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+        VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+        VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+        VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+        VK_IMAGE_LAYOUT_PRESENT_SRC_KHR,
+    };
+    static_assert(std::size(layouts) == size_t(rhi::Layout::present) + 1);
+    return layouts[size_t(layout)];
 }
 
 VkShaderStageFlags to_vk(Stages stages) {
@@ -170,30 +125,23 @@ Sync to_vk(Access access, Stages stages) {
     return sync;
 }
 
+VkDescriptorType to_vk(rhi::BindingKind kind) {
+    constexpr VkDescriptorType types[] = {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                          VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                          VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER};
+    return types[size_t(kind)];
+}
+
 VkPrimitiveTopology to_vk(rhi::Topology topology) {
-    switch (topology) {
-        case rhi::Topology::triangles:
-            return VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-        case rhi::Topology::triangle_strip:
-            return VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP;
-        case rhi::Topology::lines:
-            return VK_PRIMITIVE_TOPOLOGY_LINE_LIST;
-        case rhi::Topology::points:
-            return VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
-    }
-    return VK_PRIMITIVE_TOPOLOGY_MAX_ENUM;
+    constexpr VkPrimitiveTopology topologies[] = {
+        VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST, VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP,
+        VK_PRIMITIVE_TOPOLOGY_LINE_LIST, VK_PRIMITIVE_TOPOLOGY_POINT_LIST};
+    return topologies[size_t(topology)];
 }
 
 VkCullModeFlags to_vk(rhi::CullMode cull) {
-    switch (cull) {
-        case rhi::CullMode::none:
-            return VK_CULL_MODE_NONE;
-        case rhi::CullMode::back:
-            return VK_CULL_MODE_BACK_BIT;
-        case rhi::CullMode::front:
-            return VK_CULL_MODE_FRONT_BIT;
-    }
-    return VK_CULL_MODE_NONE;
+    constexpr VkCullModeFlags modes[] = {VK_CULL_MODE_NONE, VK_CULL_MODE_BACK_BIT, VK_CULL_MODE_FRONT_BIT};
+    return modes[size_t(cull)];
 }
 
 VkCompareOp to_vk(rhi::Compare compare) {
@@ -203,61 +151,50 @@ VkCompareOp to_vk(rhi::Compare compare) {
 }
 
 VkBlendFactor to_vk(rhi::BlendFactor factor) {
-    switch (factor) {
-        case rhi::BlendFactor::zero:
-            return VK_BLEND_FACTOR_ZERO;
-        case rhi::BlendFactor::one:
-            return VK_BLEND_FACTOR_ONE;
-        case rhi::BlendFactor::source_alpha:
-            return VK_BLEND_FACTOR_SRC_ALPHA;
-        case rhi::BlendFactor::one_minus_source_alpha:
-            return VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-        case rhi::BlendFactor::destination_alpha:
-            return VK_BLEND_FACTOR_DST_ALPHA;
-        case rhi::BlendFactor::one_minus_destination_alpha:
-            return VK_BLEND_FACTOR_ONE_MINUS_DST_ALPHA;
-        case rhi::BlendFactor::source_color:
-            return VK_BLEND_FACTOR_SRC_COLOR;
-        case rhi::BlendFactor::destination_color:
-            return VK_BLEND_FACTOR_DST_COLOR;
-    }
-    return VK_BLEND_FACTOR_MAX_ENUM;
+    constexpr VkBlendFactor factors[] = {VK_BLEND_FACTOR_ZERO,      VK_BLEND_FACTOR_ONE,
+                                         VK_BLEND_FACTOR_SRC_ALPHA, VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+                                         VK_BLEND_FACTOR_DST_ALPHA, VK_BLEND_FACTOR_ONE_MINUS_DST_ALPHA,
+                                         VK_BLEND_FACTOR_SRC_COLOR, VK_BLEND_FACTOR_DST_COLOR};
+    return factors[size_t(factor)];
 }
 
 VkBlendOp to_vk(rhi::BlendOp op) {
-    switch (op) {
-        case rhi::BlendOp::add:
-            return VK_BLEND_OP_ADD;
-        case rhi::BlendOp::subtract:
-            return VK_BLEND_OP_SUBTRACT;
-        case rhi::BlendOp::minimum:
-            return VK_BLEND_OP_MIN;
-        case rhi::BlendOp::maximum:
-            return VK_BLEND_OP_MAX;
-    }
-    return VK_BLEND_OP_MAX_ENUM;
+    constexpr VkBlendOp ops[] = {VK_BLEND_OP_ADD, VK_BLEND_OP_SUBTRACT, VK_BLEND_OP_MIN, VK_BLEND_OP_MAX};
+    return ops[size_t(op)];
+}
+
+VkFilter to_vk(rhi::FilterMode mode) {
+    return mode == rhi::FilterMode::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
+}
+
+VkSamplerAddressMode to_vk(rhi::AddressMode mode) {
+    constexpr VkSamplerAddressMode modes[] = {
+        VK_SAMPLER_ADDRESS_MODE_REPEAT, VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT,
+        VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER};
+    return modes[size_t(mode)];
+}
+
+VkBorderColor to_vk(rhi::BorderColor border) {
+    constexpr VkBorderColor borders[] = {VK_BORDER_COLOR_FLOAT_TRANSPARENT_BLACK,
+                                         VK_BORDER_COLOR_FLOAT_OPAQUE_BLACK,
+                                         VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE};
+    return borders[size_t(border)];
 }
 
 VkAttachmentLoadOp to_vk(rhi::Load load) {
-    switch (load) {
-        case rhi::Load::clear:
-            return VK_ATTACHMENT_LOAD_OP_CLEAR;
-        case rhi::Load::keep:
-            return VK_ATTACHMENT_LOAD_OP_LOAD;
-        case rhi::Load::discard:
-            return VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    }
-    return VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    constexpr VkAttachmentLoadOp ops[] = {VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_LOAD_OP_LOAD,
+                                          VK_ATTACHMENT_LOAD_OP_DONT_CARE};
+    return ops[size_t(load)];
+}
+
+VkIndexType to_vk(rhi::IndexType type) {
+    return type == rhi::IndexType::uint16 ? VK_INDEX_TYPE_UINT16 : VK_INDEX_TYPE_UINT32;
 }
 
 VkClearColorValue to_vk(const rhi::ClearColor& color) {
     VkClearColorValue value;
     std::visit([&](const auto& channels) { std::memcpy(&value, channels.data(), sizeof value); }, color);
     return value;
-}
-
-VkIndexType to_vk(rhi::IndexType type) {
-    return type == rhi::IndexType::uint16 ? VK_INDEX_TYPE_UINT16 : VK_INDEX_TYPE_UINT32;
 }
 
 }  // namespace lumo::backends::vulkan

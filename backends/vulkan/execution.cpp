@@ -90,9 +90,11 @@ void Executor::emit(const rhi::EmittedPass& pass) {
     VkDebugUtilsLabelEXT label{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, .pLabelName = name.c_str()};
     if (debug.begin_label) debug.begin_label(open_->commands, &label);
     bool serialised = gpu_.info().timing == rhi::Timing::serialised;
-    // The end of each pass is already ordered before the beginning of the next.
+    // Later passes begin where the one before them was ordered to its end.
     if (serialised && open_->passes == 0) order_everything();
     if (timed) stamp(0);
+    // llvmpipe takes a stamp when it next flushes its draws: without this, after the pass's dispatches.
+    if (serialised) order_everything();
     auto done = Recorder(gpu_, store_, open_->sets, open_->commands).record(pass);
     if (!done) recorded_ = done;
     if (serialised) order_everything();

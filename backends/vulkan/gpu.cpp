@@ -58,10 +58,9 @@ Candidate look_at(const Instance& instance, VkPhysicalDevice device) {
     const auto& vk = instance.vk();
     Candidate found{.device = device};
 
-    uint32_t count = 0;
-    vk.device_extensions(device, nullptr, &count, nullptr);
-    std::vector<VkExtensionProperties> extensions(count);
-    vk.device_extensions(device, nullptr, &count, extensions.data());
+    auto extensions = enumerate<VkExtensionProperties>([&](uint32_t* count, VkExtensionProperties* list) {
+        vk.device_extensions(device, nullptr, count, list);
+    });
     auto has_extension = [&](std::string_view name) {
         return std::any_of(extensions.begin(), extensions.end(),
                            [&](const VkExtensionProperties& e) { return name == e.extensionName; });
@@ -92,9 +91,8 @@ Candidate look_at(const Instance& instance, VkPhysicalDevice device) {
     for (const auto& feature : features) {
         if (feature.required && !(found.features.*feature.field)) found.lacks.emplace_back(feature.name);
     }
-    vk.queue_families(device, &count, nullptr);
-    std::vector<VkQueueFamilyProperties> families(count);
-    vk.queue_families(device, &count, families.data());
+    auto families = enumerate<VkQueueFamilyProperties>(
+        [&](uint32_t* count, VkQueueFamilyProperties* list) { vk.queue_families(device, count, list); });
     constexpr VkQueueFlags both = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
     auto family = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& f) {
         return (f.queueFlags & both) == both;
@@ -109,18 +107,10 @@ Candidate look_at(const Instance& instance, VkPhysicalDevice device) {
 }
 
 int rank(VkPhysicalDeviceType type) {
-    switch (type) {
-        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-            return 4;
-        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-            return 3;
-        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-            return 2;
-        case VK_PHYSICAL_DEVICE_TYPE_CPU:
-            return 1;
-        default:
-            return 0;
-    }
+    constexpr int other = 0, cpu = 1, virtual_gpu = 2, integrated = 3, discrete = 4;
+    constexpr int ranks[] = {other, integrated, discrete, virtual_gpu,
+                             cpu};  // in the order of the type's values
+    return size_t(type) < std::size(ranks) ? ranks[type] : other;
 }
 
 /// `part` in `name`, without case.

@@ -76,10 +76,7 @@ Result<std::unique_ptr<Instance>> Instance::create(bool validation, rhi::Message
                     "update the Vulkan loader");
     }
     if (validation) {
-        uint32_t count = 0;
-        layers_of(&count, nullptr);
-        std::vector<VkLayerProperties> layers(count);
-        layers_of(&count, layers.data());
+        auto layers = enumerate<VkLayerProperties>(layers_of);
         bool found = std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
             return std::string_view(layer.layerName) == validation_layer;
         });
@@ -89,10 +86,8 @@ Result<std::unique_ptr<Instance>> Instance::create(bool validation, rhi::Message
                         "install the package vulkan-validationlayers, or run without validation");
         }
     }
-    uint32_t count = 0;
-    extensions_of(nullptr, &count, nullptr);
-    std::vector<VkExtensionProperties> available(count);
-    extensions_of(nullptr, &count, available.data());
+    auto available = enumerate<VkExtensionProperties>(
+        [&](uint32_t* count, VkExtensionProperties* list) { extensions_of(nullptr, count, list); });
     bool debug_utils = std::any_of(available.begin(), available.end(), [](const VkExtensionProperties& e) {
         return std::string_view(e.extensionName) == VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
     });
@@ -169,12 +164,9 @@ Instance::~Instance() {
 }
 
 std::vector<VkPhysicalDevice> Instance::physical_devices() const {
-    uint32_t count = 0;
-    table_.enumerate_physical_devices(instance_, &count, nullptr);
-    std::vector<VkPhysicalDevice> devices(count);
-    table_.enumerate_physical_devices(instance_, &count, devices.data());
-    devices.resize(count);
-    return devices;
+    return enumerate<VkPhysicalDevice>([&](uint32_t* count, VkPhysicalDevice* list) {
+        table_.enumerate_physical_devices(instance_, count, list);
+    });
 }
 
 void Instance::load(VolkDeviceTable& table, VkDevice device) const {

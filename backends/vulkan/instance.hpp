@@ -10,6 +10,17 @@
 
 namespace lumo::backends::vulkan {
 
+/// All that one of Vulkan's enumerations gives: `call` takes a pointer to the count and one to the elements.
+template <class T, class Call>
+std::vector<T> enumerate(Call&& call) {
+    uint32_t count = 0;
+    call(&count, nullptr);
+    std::vector<T> elements(count);
+    call(&count, elements.data());
+    elements.resize(count);
+    return elements;
+}
+
 /// Functions of one instance. They are kept here because volk keeps them in global variables, which two
 /// instances of two loaders could not share.
 struct InstanceTable {

@@ -10,11 +10,7 @@ namespace {
 
 constexpr uint64_t block_bytes = uint64_t(64) << 20;
 
-constexpr VkMemoryPropertyFlags device_local = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
-constexpr VkMemoryPropertyFlags cached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
-constexpr VkMemoryPropertyFlags mappable =
-    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-
+/// Properties of a memory type: those it must have, should have, should not have.
 struct Wish {
     VkMemoryPropertyFlags required;
     VkMemoryPropertyFlags preferred;
@@ -22,15 +18,13 @@ struct Wish {
 };
 
 Wish wish_for(rhi::Memory where) {
-    switch (where) {
-        case rhi::Memory::upload:
-            return {mappable, 0, cached};
-        case rhi::Memory::readback:
-            return {mappable, cached, device_local};
-        case rhi::Memory::device:
-            break;
-    }
-    return {0, device_local, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT};
+    constexpr auto visible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+    constexpr auto cached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    constexpr auto local = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    constexpr auto mappable = visible | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    if (where == rhi::Memory::upload) return {mappable, 0, cached};
+    if (where == rhi::Memory::readback) return {mappable, cached, local};
+    return {0, local, visible};
 }
 
 uint64_t align_up(uint64_t value, uint64_t alignment) {

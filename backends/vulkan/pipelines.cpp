@@ -11,22 +11,6 @@ namespace lumo::backends::vulkan {
 
 namespace {
 
-using rhi::BindingKind;
-
-VkDescriptorType descriptor_type(BindingKind kind) {
-    switch (kind) {
-        case BindingKind::sampled:
-            return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-        case BindingKind::storage_image:
-            return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-        case BindingKind::storage_buffer:
-            return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        case BindingKind::uniform_buffer:
-            return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-    }
-    return VK_DESCRIPTOR_TYPE_MAX_ENUM;
-}
-
 VkPipelineColorBlendAttachmentState blend_state(const rhi::ColorTargetState& target) {
     VkPipelineColorBlendAttachmentState state{.colorWriteMask = target.write_mask};
     if (target.blend) {
@@ -214,7 +198,7 @@ Result<Pipeline> create_pipeline(const Gpu& gpu, const PipelineCache& cache, con
 
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     for (const auto& binding : program.bindings) {
-        made.slots.push_back({binding.binding, descriptor_type(binding.kind)});
+        made.slots.push_back({binding.binding, to_vk(binding.kind)});
         bindings.push_back({.binding = binding.binding,
                             .descriptorType = made.slots.back().type,
                             .descriptorCount = 1,

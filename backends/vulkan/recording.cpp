@@ -125,15 +125,9 @@ void Recorder::barriers(std::span<const rhi::Barrier> barriers) {
 }
 
 bool Recorder::begin_rendering(const rhi::RasterTargets& targets) {
-    rhi::Extent extent = targets.extent;
-    uint32_t layers = targets.extent.depth;
-    bool first = true;
+    uint32_t layers = 1;
     auto attachment = [&](const rhi::TextureView& target, rhi::Load load, VkImageLayout layout) {
-        const Texture& texture = store_[target.texture];
-        uint32_t count = texture.attachment_layers(target);
-        layers = first ? count : std::min(layers, count);
-        if (first) extent = mip_extent(texture.desc().extent, target.first_mip);
-        first = false;
+        layers = target.layers;
         return VkRenderingAttachmentInfo{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                          .imageView = view(target, TextureUsage::attachment),
                                          .imageLayout = layout,
@@ -158,6 +152,7 @@ bool Recorder::begin_rendering(const rhi::RasterTargets& targets) {
         depth.clearValue.depthStencil = {targets.depth->clear, 0};
     }
     if (!result_) return false;
+    const auto& extent = targets.extent;
     VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                          .renderArea = {{0, 0}, {extent.width, extent.height}},
                          .layerCount = layers,

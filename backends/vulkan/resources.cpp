@@ -24,16 +24,10 @@ VkImageUsageFlags image_usage(TextureUsage usage, rhi::Format format) {
     return bits;
 }
 
-/// How an attachment sees a texture: slices and faces are layers.
+/// An attachment sees the faces of a cube as layers.
 Dimension attachment_dimension(Dimension dimension) {
-    switch (dimension) {
-        case Dimension::d3:
-        case Dimension::cube:
-        case Dimension::cube_array:
-            return Dimension::d2_array;
-        default:
-            return dimension;
-    }
+    bool cube = dimension == Dimension::cube || dimension == Dimension::cube_array;
+    return cube ? Dimension::d2_array : dimension;
 }
 
 bool may_be_cube(const rhi::TextureDesc& desc) {
@@ -67,9 +61,6 @@ Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi:
     // Extended usage: a view in another format may be stored to where the texture's own format may not.
     if (formats.size() > 1) flags |= VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_EXTENDED_USAGE_BIT;
     if (may_be_cube(desc)) flags |= VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT;
-    if (desc.dimension == Dimension::d3 && has(desc.usage, TextureUsage::attachment)) {
-        flags |= VK_IMAGE_CREATE_2D_ARRAY_COMPATIBLE_BIT;
-    }
     VkImageUsageFlags usage = image_usage(desc.usage, desc.format) | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                               VK_IMAGE_USAGE_TRANSFER_DST_BIT;
 
@@ -131,10 +122,6 @@ VkImageLayout Texture::shader_layout() const {
     return to_vk(has(desc_.usage, TextureUsage::storage) ? rhi::Layout::general : rhi::Layout::read_only);
 }
 
-uint32_t Texture::attachment_layers(const rhi::TextureView& view) const {
-    return desc_.dimension == Dimension::d3 ? mip_extent(desc_.extent, view.first_mip).depth : view.layers;
-}
-
 Result<VkImageView> Texture::view(const Gpu& gpu, const rhi::TextureView& view, TextureUsage use) {
     for (const auto& [key, made] : views_) {
         if (key.first == view && key.second == use) return made.get();
@@ -148,8 +135,7 @@ Result<VkImageView> Texture::view(const Gpu& gpu, const rhi::TextureView& view, 
         .image = image(),
         .viewType = view_type(attachment ? attachment_dimension(view.dimension) : view.dimension),
         .format = to_vk(view.format),
-        .subresourceRange = {aspect(), view.first_mip, view.mips, view.first_layer,
-                             attachment ? attachment_layers(view) : view.layers},
+        .subresourceRange = {aspect(), view.first_mip, view.mips, view.first_layer, view.layers},
     };
     auto made =
         gpu.make<VkImageView>(gpu.vk().vkCreateImageView, gpu.vk().vkDestroyImageView, info, desc_.name);
@@ -158,40 +144,21 @@ Result<VkImageView> Texture::view(const Gpu& gpu, const rhi::TextureView& view, 
 }
 
 Result<Unique<VkSampler>> create_sampler(const Gpu& gpu, const rhi::SamplerDesc& desc) {
-    auto filter = [](rhi::FilterMode mode) {
-        return mode == rhi::FilterMode::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
-    };
-    auto address = [](rhi::AddressMode mode) {
-        switch (mode) {
-            case rhi::AddressMode::repeat:
-                return VK_SAMPLER_ADDRESS_MODE_REPEAT;
-            case rhi::AddressMode::mirrored_repeat:
-                return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
-            case rhi::AddressMode::clamp_to_border:
-                return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
-            case rhi::AddressMode::clamp_to_edge:
-                break;
-        }
-        return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-    };
-    constexpr VkBorderColor borders[] = {VK_BORDER_COLOR_FLOAT_TRANSPARENT_BLACK,
-                                         VK_BORDER_COLOR_FLOAT_OPAQUE_BLACK,
-                                         VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE};
     float anisotropy = std::min(desc.max_anisotropy, gpu.info().limits.max_anisotropy);
     VkSamplerCreateInfo info{
         .sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
-        .magFilter = filter(desc.magnification),
-        .minFilter = filter(desc.minification),
+        .magFilter = to_vk(desc.magnification),
+        .minFilter = to_vk(desc.minification),
         .mipmapMode = desc.mip == rhi::FilterMode::linear ? VK_SAMPLER_MIPMAP_MODE_LINEAR
                                                           : VK_SAMPLER_MIPMAP_MODE_NEAREST,
-        .addressModeU = address(desc.address_u),
-        .addressModeV = address(desc.address_v),
-        .addressModeW = address(desc.address_w),
+        .addressModeU = to_vk(desc.address_u),
+        .addressModeV = to_vk(desc.address_v),
+        .addressModeW = to_vk(desc.address_w),
         .anisotropyEnable = anisotropy > 1,
         .maxAnisotropy = anisotropy,
         .minLod = desc.min_lod,
         .maxLod = desc.max_lod,
-        .borderColor = borders[size_t(desc.border)],
+        .borderColor = to_vk(desc.border),
     };
     return gpu.make<VkSampler>(gpu.vk().vkCreateSampler, gpu.vk().vkDestroySampler, info, "sampler");
 }

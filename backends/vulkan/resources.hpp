@@ -29,8 +29,6 @@ class Texture {
     VkImageAspectFlags aspect() const;
     /// The layout in which shaders use it.
     VkImageLayout shader_layout() const;
-    /// Layers of an attachment: slices where the texture is 3D.
-    uint32_t attachment_layers(const rhi::TextureView& view) const;
 
     /// Made on first use and kept. It allows `use` alone, because the view's format may not have all uses of
     /// the texture. Error: out_of_memory.
