@@ -1,6 +1,7 @@
 // Vertices, indices and instances of a scene, as scene::GpuScene lays them out. The includer defines the bindings
 // that it wants: GEOMETRY_VERTICES and GEOMETRY_INSTANCES, and GEOMETRY_INDICES where it pulls indices itself (a
 // draw with an index buffer has the vertex in gl_VertexIndex). Spaces: object, and world (right-handed, metres).
+#include "common/transform.glsl"
 
 struct StoredVertex {
     vec3 position;
@@ -53,25 +54,23 @@ vec3 fetch_position(uint index) { return vertices.data[index].position; }
 // -1 where the instance turns right hands into left ones (and the winding of triangles with them), else 1.
 float instance_handedness(uint instance) { return instances.data[instance].world_from_normal[0].w; }
 
-// `precise`: every stage and pass that transforms a vertex gets the same bits.
 vec3 world_from_object(uint instance, vec3 position) {
-    vec4 p = vec4(position, 1);
-    precise vec3 world = vec3(dot(instances.data[instance].world_from_object[0], p),
-                              dot(instances.data[instance].world_from_object[1], p),
-                              dot(instances.data[instance].world_from_object[2], p));
-    return world;
+    vec4 row0 = instances.data[instance].world_from_object[0];
+    vec4 row1 = instances.data[instance].world_from_object[1];
+    vec4 row2 = instances.data[instance].world_from_object[2];
+    return transform_rows(row0, row1, row2, position) + vec3(row0.w, row1.w, row2.w);
 }
 
 // Not normalised.
 vec3 world_direction(uint instance, vec3 direction) {
-    return vec3(dot(instances.data[instance].world_from_object[0].xyz, direction),
-                dot(instances.data[instance].world_from_object[1].xyz, direction),
-                dot(instances.data[instance].world_from_object[2].xyz, direction));
+    return transform_rows(instances.data[instance].world_from_object[0],
+                          instances.data[instance].world_from_object[1],
+                          instances.data[instance].world_from_object[2], direction);
 }
 
 // Not normalised; on the same side of the surface as in object space.
 vec3 world_normal(uint instance, vec3 normal) {
-    return vec3(dot(instances.data[instance].world_from_normal[0].xyz, normal),
-                dot(instances.data[instance].world_from_normal[1].xyz, normal),
-                dot(instances.data[instance].world_from_normal[2].xyz, normal));
+    return transform_rows(instances.data[instance].world_from_normal[0],
+                          instances.data[instance].world_from_normal[1],
+                          instances.data[instance].world_from_normal[2], normal);
 }

@@ -3,6 +3,7 @@
 // NORMAL_TEXTURE, OCCLUSION_TEXTURE, EMISSION_TEXTURE. A material without one of them has a neutral 1x1 texture.
 //
 // Functions that end in _lod name the mip level; the others take it from derivatives, in fragment shaders only.
+#include "common/transform.glsl"
 
 const uint role_base_color = 0u;
 const uint role_metallic_roughness = 1u;
@@ -72,11 +73,11 @@ layout(binding = NORMAL_TEXTURE) uniform sampler2D normal_texture;
 // interpolants as they are, not renormalised. `tangent.w` includes the instance's handedness. Unit length; the
 // blue channel is kept above 0, so that no texel can turn the normal into the surface or make it vanish. `material` is uniform in a draw.
 vec3 material_normal(uint material, vec2 uv0, vec2 uv1, vec3 normal, vec4 tangent) {
-    if ((materials.data[material].flags & material_normal_mapped) == 0u) return normalize(normal);
+    if ((materials.data[material].flags & material_normal_mapped) == 0u) return unit(normal);
     vec3 t = 2 * texture(normal_texture, texture_uv(material, role_normal, uv0, uv1)).xyz - 1;
     t = vec3(t.xy * materials.data[material].normal_scale, max(t.z, 1e-2));
     vec3 bitangent = tangent.w * cross(normal, tangent.xyz);
-    return normalize(t.x * tangent.xyz + t.y * bitangent + t.z * normal);
+    return unit(t.x * tangent.xyz + t.y * bitangent + t.z * normal);
 }
 #endif
 

@@ -13,7 +13,7 @@ layout(binding = SHADOW_MAP) uniform sampler2D shadow_map;
 float sun_visibility(vec3 position, vec3 normal) {
     float cosine = clamp(dot(normal, shadow.direction.xyz), -1, 1);
     vec3 receiver = position + normal * (shadow.normal_offset * sqrt(1 - cosine * cosine));
-    vec4 clip = shadow.clip_from_world * vec4(receiver, 1);
+    vec4 clip = transform(shadow.clip_from_world, vec4(receiver, 1));
     vec2 texel = (0.5 * clip.xy + 0.5) * shadow.size;
     float depth = clip.z - shadow.depth_offset;
 

@@ -1,5 +1,7 @@
 // The shadow map of a directional light. The includer defines SHADOW, the block's binding. Filled by
 // lumo::shadow::Shadow::record.
+#include "common/transform.glsl"
+
 layout(std140, binding = SHADOW) uniform ShadowBlock {
     mat4 clip_from_world;  // orthographic; depth grows away from the light
     mat4 world_from_clip;

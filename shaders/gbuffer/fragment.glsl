@@ -31,7 +31,7 @@ void main() {
         occlusion = material_occlusion(material, uv0, uv1);
     }
     // Interpolants of opposite normals can cancel; the small term keeps a direction then.
-    vec3 geometric_normal = normalize(in_normal + vec3(0, 1e-12, 0));
+    vec3 geometric_normal = unit(in_normal + vec3(0, 1e-12, 0));
     vec3 normal = geometric_normal;
     if (normal_mapping) normal = material_normal(material, uv0, uv1, in_normal, in_tangent);
 #ifdef EMISSION_TEXTURE

@@ -12,10 +12,10 @@ void main() {
     uint instance = draw.first_instance + gl_InstanceIndex;
     Vertex vertex = fetch_vertex(gl_VertexIndex);
     float handedness = instance_handedness(instance);
-    out_normal = normalize(world_normal(instance, vertex.normal));
-    out_tangent = vec4(normalize(world_direction(instance, vertex.tangent.xyz)), vertex.tangent.w * handedness);
+    out_normal = unit(world_normal(instance, vertex.normal));
+    out_tangent = vec4(unit(world_direction(instance, vertex.tangent.xyz)), vertex.tangent.w * handedness);
     out_uv = vec4(vertex.uv0, vertex.uv1);
     out_color = vertex.color;
     out_handedness = handedness;
-    gl_Position = camera.clip_from_world * vec4(world_from_object(instance, vertex.position), 1);
+    gl_Position = transform(camera.clip_from_world, vec4(world_from_object(instance, vertex.position), 1));
 }

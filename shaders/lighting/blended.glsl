@@ -42,7 +42,7 @@ void main() {
         occlusion = material_occlusion(material, uv0, uv1);
     }
     float side = gl_FrontFacing == (in_handedness > 0) ? 1 : -1;
-    vec3 geometric_normal = side * normalize(in_normal + vec3(0, 1e-12, 0));
+    vec3 geometric_normal = side * unit(in_normal + vec3(0, 1e-12, 0));
     vec3 normal = side * material_normal(material, uv0, uv1, in_normal, in_tangent);
     vec3 position = world_from_pixel(gl_FragCoord.xy, gl_FragCoord.z);
     Surface surface = make_surface(base_color.rgb, metallic_roughness.x, metallic_roughness.y);

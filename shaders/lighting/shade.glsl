@@ -45,14 +45,14 @@ void main() {
         if (stored_normal.xyz != vec3(0)) {
             vec4 base_color = texelFetch(base_color_metallic, pixel, 0);
             vec4 geometric = texelFetch(geometric_normal_occlusion, pixel, 0);
-            vec3 normal = normalize(stored_normal.xyz);
+            vec3 normal = unit(stored_normal.xyz);
             Surface surface = make_surface(base_color.rgb, base_color.a, stored_normal.w);
             if (sun) {
                 vec3 position = world_from_pixel(vec2(pixel) + 0.5, pixel_depth);
                 vec3 reflected = reflect_direct(surface, normal, direction_to_eye(position), shadow.direction.xyz,
                                                 diffuse_materials);
                 if (reflected != vec3(0))
-                    direct = reflected * light.sun_irradiance * sun_visibility(position, normalize(geometric.xyz));
+                    direct = reflected * light.sun_irradiance * sun_visibility(position, unit(geometric.xyz));
             }
             if (indirect_light)
                 indirect = surface.diffuse / pi * geometric.w * texelFetch(irradiance, pixel, 0).rgb;

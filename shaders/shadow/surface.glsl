@@ -13,5 +13,5 @@ void main() {
     out_position = world_from_object(instance, vertex.position);
     out_uv = vec4(vertex.uv0, vertex.uv1);
     out_alpha = vertex.color.a;
-    gl_Position = shadow.clip_from_world * vec4(out_position, 1);
+    gl_Position = transform(shadow.clip_from_world, vec4(out_position, 1));
 }

@@ -60,6 +60,13 @@ class GBuffer {
     /// show.
     View record(rhi::Commands& commands, const scene::GeometryView& geometry, const CameraBlock& camera);
 
+    // The targets, to read them back.
+    const rhi::Texture& base_color_metallic() const { return base_color_metallic_; }
+    const rhi::Texture& normal_roughness() const { return normal_roughness_; }
+    const rhi::Texture& geometric_normal_occlusion() const { return geometric_normal_occlusion_; }
+    const rhi::Texture& emission() const { return emission_; }  ///< empty without Needs::emission
+    const rhi::Texture& depth() const { return depth_; }
+
   private:
     template <class P>
     using Pipelines = std::array<std::array<rhi::RasterPipeline<P>, 3>, 2>;  ///< by alpha test, then CullMode

@@ -72,6 +72,11 @@ class Lighting {
 
     View record(rhi::Commands& commands, const Inputs& inputs);
 
+    // The targets, to read them back; the layers are empty without Needs::layers.
+    const rhi::Texture& radiance() const { return radiance_; }
+    const rhi::Texture& direct() const { return direct_; }
+    const rhi::Texture& indirect() const { return indirect_; }
+
   private:
     template <class P>
     using BlendPipelines = std::array<rhi::RasterPipeline<P>, 3>;  ///< by CullMode

@@ -55,6 +55,10 @@ class Shadow {
     /// cameras.
     View record(rhi::Commands& commands, const scene::GeometryView& geometry, glm::vec3 direction_to_light);
 
+    // The targets, to read them back; `position` is empty without Settings::position_target.
+    const rhi::Texture& depth() const { return depth_; }
+    const rhi::Texture& position() const { return position_; }
+
   private:
     Settings settings_;
     Needs needs_;
