@@ -1,0 +1,3 @@
+#define IMAGE imageCube
+#define POSITION p
+#include "test_rhi/store.glsl"
