@@ -1,0 +1,111 @@
+#include "samples/lumo/input.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "samples/lumo/names.hpp"
+#include "scene/builtin/builtin.hpp"
+#include "scene/gltf.hpp"
+#include "scene/printable.hpp"
+
+namespace lumo::program {
+namespace {
+
+bool is_builtin(const std::string& name) {
+    return std::ranges::find(scene::builtin_names(), name) != scene::builtin_names().end();
+}
+
+bool shines(const scene::Light& light) {
+    return light.kind == scene::LightKind::directional && light.intensity != glm::vec3(0);
+}
+
+// So that neither plane cuts the scene, and depth is as fine as it can be.
+void set_planes(scene::Camera& camera, const scene::Bounds& bounds) {
+    if (bounds.empty()) return;
+    constexpr float largest_near = 0.05f;
+    const glm::vec3 farthest =
+        glm::max(glm::abs(bounds.min - camera.position), glm::abs(bounds.max - camera.position));
+    camera.far_plane = std::max(1.01f * glm::length(farthest), 1e-3f);
+    camera.near_plane = std::min(largest_near, 0.01f * camera.far_plane);
+}
+
+}  // namespace
+
+Result<scene::Scene> load_scene(const Options& options) {
+    Result<scene::Scene> scene = [&]() -> Result<scene::Scene> {
+        if (is_builtin(options.scene)) {
+            auto made = scene::make_builtin(options.scene);
+            if (made && options.photometric)
+                made->warnings.emplace_back("--photometric is about files: built-in scenes are radiometric");
+            return made;
+        }
+        const std::string extension = extension_of(options.scene);
+        if (extension != ".gltf" && extension != ".glb")
+            return fail(ErrorKind::invalid_argument, scene::printable(options.scene),
+                        "there is no such scene",
+                        fmt::format("give a .gltf or .glb file, or one of {}",
+                                    fmt::join(scene::builtin_names(), ", ")));
+        return scene::load_gltf(options.scene, {}, {.photometric = options.photometric});
+    }();
+    if (scene && options.sun) replace_sun(*scene, *options.sun);
+    return scene;
+}
+
+void replace_sun(scene::Scene& scene, const Sun& sun) {
+    std::erase_if(scene.lights,
+                  [](const scene::Light& light) { return light.kind == scene::LightKind::directional; });
+    if (sun.irradiance == glm::vec3(0)) return;
+    scene.lights.push_back(
+        {.name = "--sun", .intensity = sun.irradiance, .direction = -sun.direction_to_sun});
+}
+
+Sun sun_of(const scene::Scene& scene) {
+    const auto sun = std::ranges::find_if(scene.lights, shines);
+    if (sun == scene.lights.end()) return {};
+    return {.direction_to_sun = -sun->direction, .irradiance = sun->intensity};
+}
+
+Result<scene::Camera> choose_camera(const Options& options, const scene::Scene& scene) {
+    if (const auto* given = std::get_if<scene::Camera>(&options.camera)) {
+        scene::Camera camera = *given;
+        set_planes(camera, world_bounds(scene));
+        return camera;
+    }
+    const auto* name = std::get_if<std::string>(&options.camera);
+    if (!name) return default_camera(scene);
+
+    const auto& cameras = scene.cameras;
+    if (const auto found = std::ranges::find(cameras, *name, &scene::Camera::name); found != cameras.end())
+        return *found;
+    size_t index = 0;
+    const auto [end, error] = std::from_chars(name->data(), name->data() + name->size(), index);
+    if (error == std::errc() && end == name->data() + name->size() && index < cameras.size())
+        return cameras[index];
+
+    std::string known;
+    for (size_t i = 0; i < cameras.size(); ++i)
+        known += fmt::format("{}{} '{}'", i ? ", " : "its cameras: ", i, scene::printable(cameras[i].name));
+    return fail(ErrorKind::invalid_argument, "--camera '" + scene::printable(*name) + "'",
+                "the scene has no such camera",
+                (known.empty() ? "it has none" : known) + "; or give px,py,pz:tx,ty,tz:FOV");
+}
+
+std::vector<std::string> warnings_of(const scene::Scene& scene) {
+    std::vector<std::string> lines;
+    for (const std::string& line : scene.warnings) lines.push_back(scene::printable(line, 1000));
+    bool sun_drawn = false;
+    for (size_t i = 0; i < scene.lights.size(); ++i) {
+        const scene::Light& light = scene.lights[i];
+        const std::string name = fmt::format("light {} '{}'", i, scene::printable(light.name));
+        if (light.kind != scene::LightKind::directional)
+            lines.push_back(fmt::format("{} is a {} light, which is not drawn: only directional ones are",
+                                        name, to_string(light.kind)));
+        else if (shines(light) && std::exchange(sun_drawn, true))
+            lines.push_back(name + " is not drawn: only the first directional light is");
+    }
+    return lines;
+}
+
+}  // namespace lumo::program

@@ -1,0 +1,56 @@
+// lumo: real-time global illumination from the command line.
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "samples/lumo/commands.hpp"
+#include "samples/lumo/options.hpp"
+#include "samples/lumo/progress.hpp"
+
+namespace lumo::program {
+namespace {
+
+Result<int> run(const Options& options) {
+    switch (options.command) {
+        case Command::render:
+            return render(options);
+        case Command::check:
+            return check(options);
+        case Command::diff:
+            return diff(options);
+        case Command::devices:
+            return devices(options);
+        case Command::version:
+            break;
+    }
+    fmt::print("{}", version_text());
+    return exit_done;
+}
+
+int run(int argc, const char* const* argv) {
+    const auto options = parse_options(argc, argv);
+    if (!options) {
+        fmt::print(options.error().exit_code == exit_done ? stdout : stderr, "{}\n", options.error().text);
+        return options.error().exit_code;
+    }
+    start_messages(options->quiet);
+    const Result<int> exit_code = run(*options);
+    if (exit_code) return *exit_code;
+    spdlog::error("{}", to_string(exit_code.error()));
+    return exit_failed;
+}
+
+}  // namespace
+}  // namespace lumo::program
+
+int main(int argc, char** argv) {
+    try {
+        return lumo::program::run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr, "lumo: error: out of memory\n");
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "lumo: error: {}\n", error.what());
+    }
+    return lumo::program::exit_failed;
+}

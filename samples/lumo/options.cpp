@@ -1,0 +1,383 @@
+#include "samples/lumo/options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <functional>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "samples/lumo/values.hpp"
+#include "scene/builtin/builtin.hpp"
+#include "scene/file.hpp"
+#include "scene/printable.hpp"
+
+namespace lumo::program {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t largest_config = uint64_t(1) << 20;  // bytes
+constexpr uint32_t most_frames = 1'000'000;
+
+constexpr std::array<std::pair<std::string_view, Command>, 4> commands{{{"render", Command::render},
+                                                                        {"check", Command::check},
+                                                                        {"diff", Command::diff},
+                                                                        {"devices", Command::devices}}};
+
+std::string available(auto&& names) { return fmt::format("available: {}", fmt::join(names, ", ")); }
+
+/// An option whose value is text for `parse`, which puts it into its place.
+CLI::Option* add(CLI::App& app, const std::string& name, const std::string& type, const std::string& help,
+                 const std::function<Result<void>(const std::string&)>& parse) {
+    const auto read = [name, parse](const std::string& text) {
+        if (const Result<void> done = parse(text); !done)
+            throw CLI::ValidationError(name, scene::printable(to_string(done.error()), 1000));
+    };
+    return app.add_option_function<std::string>(name, read, help)->type_name(type);
+}
+
+/// How to turn text into a value and where to put it.
+template <class T>
+std::function<Result<void>(const std::string&)> into(T& place, Result<T> (*parse)(std::string_view)) {
+    return [&place, parse](const std::string& text) -> Result<void> {
+        return parse(text).map([&](T value) { place = std::move(value); });
+    };
+}
+
+/// The same for a value out of a list of names; `place` is null where one name is all there is.
+template <class T>
+std::function<Result<void>(const std::string&)> one_of(T* place,
+                                                       std::vector<std::pair<std::string, T>> names) {
+    return [place, names = std::move(names)](const std::string& text) -> Result<void> {
+        const auto found = std::ranges::find(names, text, &std::pair<std::string, T>::first);
+        if (found == names.end()) {
+            std::vector<std::string> known;
+            for (const auto& [name, value] : names) known.push_back(name);
+            return fail(ErrorKind::invalid_argument, fmt::format("'{}'", text), "there is no such value",
+                        available(known));
+        }
+        if (place) *place = found->second;
+        return {};
+    };
+}
+
+std::function<Result<void>(const std::string&)> only(std::string name) {
+    return one_of<int>(nullptr, {{std::move(name), 0}});
+}
+
+/// Options that --stats writes and --config reads, by their names without dashes.
+using SettingOptions = std::vector<std::pair<std::string, CLI::Option*>>;
+
+/// What a frame of a scene depends on, whatever draws it.
+SettingOptions add_scene_settings(CLI::App& app, Options& options) {
+    SettingOptions all;
+    const auto setting = [&](const std::string& name, const std::string& type, const std::string& standard,
+                             const std::string& help, const auto& parse) {
+        CLI::Option* option = add(app, name, type, help, parse);
+        if (!standard.empty()) option->default_str(standard);
+        all.emplace_back(CLI::detail::to_lower(name.starts_with("--") ? name.substr(2) : name), option);
+    };
+    frame::Settings& frame = options.frame;
+
+    setting("SCENE", "SCENE", options.scene,
+            fmt::format("a .gltf or .glb file, or {}", fmt::join(scene::builtin_names(), ", ")),
+            [&](const std::string& text) -> Result<void> {
+                options.scene = text;
+                return {};
+            });
+    setting("--sun", "DX,DY,DZ:R,G,B", "",
+            "direction toward the sun and its irradiance on a plane facing it, W/m², or none; replaces the "
+            "scene's directional lights",
+            [&](const std::string& text) -> Result<void> {
+                return parse_sun(text).map([&](const Sun& sun) { options.sun = sun; });
+            });
+    setting("--gi", "on|off", "on", "indirect light",
+            one_of<bool>(&frame.gi, {{"on", true}, {"off", false}}));
+    setting("--storage", "vt", "vt", "of the voxels: a volume texture", only("vt"));
+    setting("--voxels", "N", fmt::to_string(frame.voxels.resolution), "a side: a power of two, 16 to 1024",
+            into(frame.voxels.resolution, parse_voxels));
+    setting("--mips", "iso", "iso", "of the voxels: isotropic", only("iso"));
+    setting("--range", "ldr", "ldr", "of the voxels' colours: 8 bits", only("ldr"));
+    setting("--cones", "N", fmt::to_string(frame.cones.count),
+            fmt::format("a pixel, 1 to {}", cones::max_cones), [&](const std::string& text) -> Result<void> {
+                return parse_integer(text, 1, cones::max_cones).map([&](uint32_t count) {
+                    frame.cones.count = int(count);
+                });
+            });
+    setting("--apertures", "uniform", "uniform", "of the cones", only("uniform"));
+    setting("--bounces", "N", fmt::to_string(frame.bounces),
+            "light is reflected at most N times before the visible surface reflects it",
+            [&](const std::string& text) -> Result<void> {
+                return parse_integer(text, 1, std::numeric_limits<uint32_t>::max()).map([&](uint32_t count) {
+                    frame.bounces = count;
+                });
+            });
+    setting("--sky", "none", "none", "what lies beyond the scene, beside its own environment", only("none"));
+    setting("--materials", "pbr|diffuse", "pbr",
+            "diffuse: Lambertian with the base colour, without normal maps",
+            one_of<bool>(&frame.diffuse_materials, {{"pbr", false}, {"diffuse", true}}));
+    setting(
+        "--layer", "NAMES", "final",
+        "final, radiance, direct, indirect, irradiance, emission, albedo, normal, depth, voxels; several by "
+        "commas into one EXR, where final is the radiance without a layer's name",
+        into(frame.layers, parse_layers));
+    setting("--plan", "auto|full", "auto", "full: nothing is left out of the frame",
+            one_of<frame::PlanMode>(&frame.plan,
+                                    {{"auto", frame::PlanMode::automatic}, {"full", frame::PlanMode::full}}));
+    all.emplace_back("photometric",
+                     app.add_flag("--photometric", options.photometric,
+                                  "the file's lights are lux, candela and nit: divide by 683"));
+    return all;
+}
+
+/// What a picture depends on beside.
+SettingOptions add_picture_settings(CLI::App& app, Options& options) {
+    SettingOptions all;
+    const auto setting = [&](const std::string& name, const std::string& type, const std::string& standard,
+                             const std::string& help, const auto& parse) {
+        CLI::Option* option = add(app, name, type, help, parse);
+        if (!standard.empty()) option->default_str(standard);
+        all.emplace_back(name.substr(2), option);
+    };
+    frame::Settings& frame = options.frame;
+
+    setting(
+        "--api", "vulkan|gl|both", "", "the first that works, if not given",
+        one_of<ApiChoice>(&options.api,
+                          {{"vulkan", ApiChoice::vulkan}, {"gl", ApiChoice::gl}, {"both", ApiChoice::both}}));
+    setting("--device", "NAME", "", "a part of the device's name",
+            [&](const std::string& text) -> Result<void> {
+                options.device = text;
+                return {};
+            });
+    setting("--size", "WxH", fmt::format("{}x{}", frame.size.width, frame.size.height), "in pixels",
+            into(frame.size, parse_size));
+    setting(
+        "--camera", "PX,PY,PZ:TX,TY,TZ:FOV", "",
+        "position, target and vertical angle in degrees, or the name or index of the scene's; up is +Y, or "
+        "-Z when looking straight along Y",
+        into(options.camera, parse_camera));
+    setting("--exposure", "STOPS", fmt::format("{}", frame.post.exposure), "of display-referred pictures",
+            into(frame.post.exposure, parse_exposure));
+    std::vector<std::pair<std::string, post::Tonemap>> curves;
+    for (int i = 0; i < post::tonemap_count; ++i)
+        curves.emplace_back(to_string(post::Tonemap(i)), post::Tonemap(i));
+    setting("--tonemap", "none|reinhard|hable|aces|agx", std::string(to_string(frame.post.tonemap)),
+            "of display-referred pictures", one_of<post::Tonemap>(&frame.post.tonemap, curves));
+
+    Animation& animation = options.animation;
+    setting(
+        "--frames", "N", fmt::to_string(animation.count), "an animation, in files NAME.0001.EXT",
+        [&](const std::string& text) -> Result<void> {
+            return parse_integer(text, 1, most_frames).map([&](uint32_t count) { animation.count = count; });
+        });
+    setting("--orbit", "DEGREES", fmt::format("{}", animation.orbit),
+            "the animation turns the camera about its target", [&](const std::string& text) -> Result<void> {
+                return parse_number(text).map([&](double degrees) { animation.orbit = float(degrees); });
+            });
+    setting("--sun-to", "DX,DY,DZ:R,G,B", "", "the animation moves the sun there",
+            [&](const std::string& text) -> Result<void> {
+                return parse_sun(text).map([&](const Sun& sun) { animation.sun_to = sun; });
+            });
+    return all;
+}
+
+std::string as_argument(const Json& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+/// Gives options the values of a file where the command line has none.
+Result<void> read_config(const std::filesystem::path& file, const SettingOptions& settings) {
+    const std::string name = scene::printable(file.string());
+    const auto bytes = scene::read_file(file, largest_config);
+    if (!bytes) return tl::unexpected(bytes.error());
+    Json config = Json::parse(reinterpret_cast<const char*>(bytes->data()),
+                              reinterpret_cast<const char*>(bytes->data() + bytes->size()), nullptr, false);
+    if (config.is_object() && config.contains("settings")) config = Json(config["settings"]);
+    if (!config.is_object())
+        return fail(ErrorKind::invalid_file, name, "is not a JSON object", "give a file that --stats wrote");
+
+    for (const auto& [key, value] : config.items()) {
+        const auto setting = std::ranges::find(settings, key, &SettingOptions::value_type::first);
+        if (setting == settings.end()) {
+            std::vector<std::string> known;
+            for (const auto& [each, option] : settings) known.push_back(each);
+            return fail(ErrorKind::invalid_file, name, fmt::format("no setting '{}'", scene::printable(key)),
+                        available(known));
+        }
+        CLI::Option* option = setting->second;
+        if (option->count() > 0) continue;
+        try {
+            option->add_result(as_argument(value));
+            option->run_callback();
+        } catch (const CLI::Error& error) {
+            return fail(ErrorKind::invalid_file, name, scene::printable(error.what(), 1000));
+        }
+    }
+    return {};
+}
+
+/// The value of each setting as its JSON form: numbers, true and false, or text. A setting that has neither a
+/// value nor a default is left out.
+Json collect(const SettingOptions& settings) {
+    Json all = Json::object();
+    for (const auto& [name, option] : settings) {
+        const std::string text = option->count() > 0 ? option->results().back() : option->get_default_str();
+        if (option->get_expected_max() == 0) {
+            all[name] = text == "true";
+        } else if (!text.empty()) {
+            const Json number = Json::parse(text, nullptr, false);
+            all[name] = number.is_number() ? number : Json(text);
+        }
+    }
+    return all;
+}
+
+Refusal refusal(const std::string& prefix, const std::string& text) {
+    return {.exit_code = exit_failed, .text = prefix + ": " + text};
+}
+
+std::string option_names(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : app.get_options()) {
+        if (!option->get_positional()) names.push_back(option->get_name());
+    }
+    return available(names);
+}
+
+}  // namespace
+
+tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) {
+    Options options;
+    CLI::App app{"lumo: real-time global illumination on OpenGL and Vulkan", "lumo"};
+    app.require_subcommand(0, 1);
+    bool version = false;
+    app.add_flag("--version", version, "the build, and the drivers");
+    app.footer(
+        "Each subcommand has a --help with examples.\n\n"
+        "Exit codes: 0 all was done; 1 two pictures differ by more than they may; 2 something failed.");
+
+    CLI::App& render = *app.add_subcommand("render", "Renders a scene to a picture, without a window.");
+    CLI::App& check =
+        *app.add_subcommand("check", "Says what a scene holds, and what a frame of it needs and leaves out.");
+    CLI::App& diff = *app.add_subcommand("diff", "Compares two pictures.");
+    CLI::App& devices = *app.add_subcommand("devices", "Lists the devices that each API finds.");
+
+    std::string config;
+    SettingOptions settings = add_scene_settings(render, options);
+    std::ranges::copy(add_picture_settings(render, options), std::back_inserter(settings));
+    add(render, "--shard", "I/N", "this part of the animation alone",
+        [&](const std::string& text) -> Result<void> {
+            return parse_shard(text).map([&](Shard shard) {
+                options.animation.shard = shard.index;
+                options.animation.shards = shard.count;
+            });
+        });
+    render
+        .add_option(
+            "-o", options.output,
+            "the picture: .png (display-referred) or .exr (linear radiance, or layers); with --api both "
+            "NAME.gl.EXT, NAME.vulkan.EXT and NAME.diff.EXT (.exr: |gl - vulkan|); else SCENE.png, or "
+            "SCENE.exr for layers")
+        ->type_name("FILE");
+    render.add_option("--config", config, "settings from a JSON file, as --stats writes them")
+        ->type_name("FILE");
+    render
+        .add_option(
+            "--stats", options.stats,
+            "writes device, settings, times, memory and what was left out as JSON; named as the pictures")
+        ->type_name("FILE");
+    render.add_flag("--explain", options.explain, "prints what the frame needs and leaves out, and why");
+    render.add_flag("--quiet", options.quiet, "no progress, nothing but warnings and errors");
+    render
+        .add_flag("--validation", options.validation,
+                  "the validation layers, or a debug context; what they find fails the run")
+        ->envname("LUMO_VALIDATION");
+    render.footer(
+        "Examples:\n"
+        "  lumo render                                     the atrium, to atrium.png\n"
+        "  lumo render Sponza.gltf --api both --size 480x270 -o sponza.png\n"
+        "  lumo render cornell --layer irradiance,depth -o cornell.exr\n"
+        "  lumo render atrium --sun 0.3,1,0.2:12,11,10 --exposure -1 --tonemap agx -o noon.png\n"
+        "  lumo render cornell --stats run.json && lumo render --config run.json -o again.png\n"
+        "  lumo render atrium --frames 48 --orbit 360 --shard 2/8 -o turn.png");
+
+    const SettingOptions check_settings = add_scene_settings(check, options);
+    check.add_flag("--json", options.json, "machine-readable output");
+    check.footer(
+        "Examples:\n"
+        "  lumo check Sponza.gltf\n"
+        "  lumo check cornell --gi off --json");
+
+    diff.add_option("A", options.first, "the reference: .png, .jpg, .hdr or .exr")
+        ->required()
+        ->type_name("FILE");
+    diff.add_option("B", options.second, "a picture of the same kind")->required()->type_name("FILE");
+    diff.add_option("-o", options.output, "the difference: .png in false colours, .exr as |A - B|")
+        ->type_name("FILE");
+    add(diff, "--rule", "mesa|hardware", "how far two APIs may be apart: software drivers, or hardware",
+        one_of<ParityChoice>(&options.parity,
+                             {{"mesa", ParityChoice::mesa}, {"hardware", ParityChoice::hardware}}))
+        ->default_str("mesa");
+    diff.add_flag("--json", options.json, "machine-readable output");
+    diff.footer(
+        "Exit code 1 if the pictures differ by more than the rule allows.\n\n"
+        "Examples:\n"
+        "  lumo diff atrium.gl.png atrium.vulkan.png -o difference.png\n"
+        "  lumo diff before.exr after.exr --rule hardware --json");
+
+    devices.add_flag("--json", options.json, "machine-readable output");
+    devices.footer(
+        "Examples:\n"
+        "  lumo devices\n"
+        "  lumo devices --json");
+
+    if (argc > 1 && argv[1][0] != '-' &&
+        std::ranges::none_of(commands, [&](const auto& command) { return command.first == argv[1]; })) {
+        std::vector<std::string_view> names;
+        for (const auto& [name, command] : commands) names.push_back(name);
+        return tl::unexpected(refusal("lumo", fmt::format("there is no subcommand '{}' ({})",
+                                                          scene::printable(argv[1]), available(names))));
+    }
+
+    const CLI::App* chosen = &app;
+    std::string prefix = "lumo";
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (!app.get_subcommands().empty()) {
+            chosen = app.get_subcommands().front();
+            prefix += " " + chosen->get_name();
+        }
+        if (error.get_exit_code() == int(CLI::ExitCodes::Success))
+            return tl::unexpected(Refusal{.exit_code = exit_done, .text = app.help()});
+        std::string text = scene::printable(error.what(), 1000);
+        if (dynamic_cast<const CLI::ExtrasError*>(&error))
+            text += fmt::format(" ({})", option_names(*chosen));
+        return tl::unexpected(refusal(prefix, text));
+    }
+
+    if (app.get_subcommands().empty()) {
+        if (!version) return tl::unexpected(Refusal{.exit_code = exit_failed, .text = app.help()});
+        options.command = Command::version;
+        return options;
+    }
+    chosen = app.get_subcommands().front();
+    options.command = std::ranges::find(commands, chosen->get_name(), [](const auto& c) {
+                          return std::string(c.first);
+                      })->second;
+    const SettingOptions& chosen_settings = options.command == Command::check ? check_settings : settings;
+    if (!config.empty()) {
+        if (const Result<void> done = read_config(config, chosen_settings); !done)
+            return tl::unexpected(refusal("lumo " + chosen->get_name(), to_string(done.error())));
+    }
+    options.settings = collect(chosen_settings);
+    return options;
+}
+
+}  // namespace lumo::program

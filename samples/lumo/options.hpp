@@ -1,0 +1,83 @@
+// The command line: one structure of everything that can be asked for, checked before any work starts.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+#include <variant>
+
+#include "scene/scene.hpp"
+#include "techniques/frame/settings.hpp"
+
+namespace lumo::program {
+
+/// How the program ends.
+enum ExitCode : int {
+    exit_done = 0,
+    exit_differs = 1,  ///< all was done, and two pictures differ by more than they may
+    exit_failed = 2,
+};
+
+enum class Command : uint8_t { render, check, diff, devices, version };
+enum class ApiChoice : uint8_t { first, vulkan, gl, both };
+enum class ParityChoice : uint8_t { mesa, hardware };
+
+struct Sun {
+    glm::vec3 direction_to_sun{0, 1, 0};  ///< unit length
+    glm::vec3 irradiance{0};              ///< on a plane facing it, W/m²; 0 for none
+};
+
+/// A camera by its own numbers, or a scene's by name or index; nothing: the scene's own.
+using CameraChoice = std::variant<std::monostate, scene::Camera, std::string>;
+
+/// Frames of an animation. Frame i of `count`, from 0, turns the camera by orbit * i / count about the
+/// vertical axis through its target and moves the sun by i / (count - 1) of the way to sun_to.
+struct Animation {
+    uint32_t count = 1;
+    uint32_t shard = 1;  ///< of `shards`, from 1: it renders the frames i with i % shards == shard - 1
+    uint32_t shards = 1;
+    float orbit = 0;  ///< degrees
+    std::optional<Sun> sun_to = {};
+};
+
+struct Options {
+    Command command = Command::render;
+
+    std::string scene = "atrium";
+    bool photometric = false;
+    CameraChoice camera = {};
+    std::optional<Sun> sun = {};  ///< in place of the scene's directional lights
+    frame::Settings frame = {};
+    Animation animation = {};
+    /// What was asked for and what holds by default, by option: what --stats writes and --config reads.
+    nlohmann::ordered_json settings = {};
+
+    ApiChoice api = ApiChoice::first;
+    std::string device = {};
+    bool validation = false;
+
+    std::filesystem::path output = {};
+    std::filesystem::path stats = {};  ///< none if empty
+    bool explain = false;
+    bool json = false;
+    bool quiet = false;
+
+    std::filesystem::path first = {}, second = {};  ///< of diff
+    ParityChoice parity = ParityChoice::mesa;
+};
+
+/// A command line that asks for no work, or for something that there is not.
+struct Refusal {
+    int exit_code = exit_failed;
+    std::string text =
+        {};  ///< help for the standard output if exit_code is 0, else what is wrong, in one line
+};
+
+/// Reads the arguments, and the file given to --config.
+tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv);
+
+}  // namespace lumo::program

@@ -1,0 +1,224 @@
+#include "techniques/frame/render.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+#include <vector>
+
+#include "backends/backends.hpp"
+#include "reference/metrics_report.hpp"
+#include "samples/lumo/commands.hpp"
+#include "samples/lumo/input.hpp"
+#include "samples/lumo/names.hpp"
+#include "samples/lumo/pictures.hpp"
+#include "samples/lumo/progress.hpp"
+#include "samples/lumo/stats.hpp"
+#include "scene/printable.hpp"
+
+namespace lumo::program {
+namespace {
+
+/// What is rendered, and into which file.
+struct Product {
+    std::filesystem::path file;
+    frame::Settings settings;
+    std::vector<std::string> layer_names = {};  ///< in the file, by Settings::layers
+};
+
+Result<Product> product_of(const Options& options) {
+    Product product{.file = options.output, .settings = options.frame};
+    auto& layers = product.settings.layers;
+    const bool displayed = layers == std::vector{frame::Layer::final};
+    if (product.file.empty()) {
+        product.file = std::filesystem::path(options.scene).stem();
+        product.file += displayed ? ".png" : ".exr";
+    }
+    if (const Result<void> fine = check_output(product.file); !fine) return tl::unexpected(fine.error());
+    if (extension_of(product.file) == ".png") {
+        if (!displayed)
+            return fail(ErrorKind::invalid_argument, scene::printable(product.file.string()),
+                        "a .png holds the layer final alone", "write linear layers to an .exr");
+        product.layer_names.emplace_back();
+        return product;
+    }
+    for (frame::Layer& layer : layers) {
+        const bool plain = layers.size() == 1 || layer == frame::Layer::final;
+        product.layer_names.emplace_back(plain ? "" : to_string(layer));
+        if (layer == frame::Layer::final) layer = frame::Layer::radiance;
+    }
+    return product;
+}
+
+rhi::DeviceDesc device_desc(const Options& options, int& failures) {
+    return {
+        .name = options.device, .validation = options.validation, .sink = [&](const rhi::Message& message) {
+            if (!is_failure(message)) return;
+            ++failures;
+            spdlog::error("{}: {}", scene::printable(message.id), scene::printable(message.text, 4000));
+        }};
+}
+
+/// The devices that the options ask for; OpenGL's before Vulkan's.
+Result<std::vector<rhi::Device>> make_devices(const Options& options, int& failures) {
+    const rhi::DeviceDesc desc = device_desc(options, failures);
+    std::vector<rhi::Api> apis{rhi::Api::gl, rhi::Api::vulkan};
+    if (options.api == ApiChoice::gl) apis = {rhi::Api::gl};
+    if (options.api == ApiChoice::vulkan) apis = {rhi::Api::vulkan};
+    if (options.api == ApiChoice::first) apis = {rhi::Api::vulkan, rhi::Api::gl};
+
+    std::vector<rhi::Device> devices;
+    for (const rhi::Api api : apis) {
+        auto device = backends::create_device(api, desc);
+        if (!device && options.api == ApiChoice::first && api != apis.back()) {
+            spdlog::warn("{}", to_string(device.error()));
+            continue;
+        }
+        if (!device) return tl::unexpected(device.error());
+        const rhi::DeviceInfo& info = device->info();
+        spdlog::info("{} on {}, {}", to_string(api), scene::printable(info.name),
+                     scene::printable(info.driver));
+        devices.push_back(std::move(*device));
+        if (options.api == ApiChoice::first) break;
+    }
+    return devices;
+}
+
+scene::Camera orbited(const scene::Camera& camera, float degrees) {
+    const glm::mat3 turn(glm::rotate(glm::mat4(1), glm::radians(degrees), glm::vec3(0, 1, 0)));
+    scene::Camera result = camera;
+    result.position = camera.target + turn * (camera.position - camera.target);
+    result.up = turn * camera.up;
+    return result;
+}
+
+/// From one sun to another: along the great circle, at a steady pace.
+Sun between(const Sun& from, const Sun& to, float t) {
+    const float angle =
+        std::acos(std::clamp(glm::dot(from.direction_to_sun, to.direction_to_sun), -1.0f, 1.0f));
+    glm::vec3 direction = glm::mix(from.direction_to_sun, to.direction_to_sun, t);
+    if (std::sin(angle) > 1e-4f)
+        direction =
+            (std::sin((1 - t) * angle) * from.direction_to_sun + std::sin(t * angle) * to.direction_to_sun) /
+            std::sin(angle);
+    return {.direction_to_sun = glm::normalize(direction),
+            .irradiance = glm::mix(from.irradiance, to.irradiance, t)};
+}
+
+class Renderer {
+  public:
+    Renderer(const Options& options, Product product, std::vector<rhi::Device>& devices, Progress& progress)
+        : options_(options), product_(std::move(product)), devices_(devices), progress_(progress) {}
+
+    /// Renders one frame on every device, and writes all that belongs to it; whether the devices agree.
+    Result<bool> render(const scene::Scene& scene, const scene::Camera& camera, std::string_view number) {
+        std::vector<Picture> pictures;
+        for (rhi::Device& device : devices_) {
+            const rhi::DeviceInfo& info = device.info();
+            progress_.next(fmt::format("{} {}", to_string(info.api), number));
+            const auto rendered = frame::render(device, scene, camera, product_.settings);
+            if (!rendered) return tl::unexpected(rendered.error());
+            if (options_.explain && !std::exchange(explained_, true))
+                fmt::print("{}", frame::to_text(rendered->plan));
+
+            const std::string_view api = devices_.size() > 1 ? to_string(info.api) : "";
+            pictures.push_back(picture_of(rendered->layers, product_.layer_names));
+            const std::filesystem::path file = tagged(tagged(product_.file, number), api);
+            if (const Result<void> done = write_picture(file, pictures.back()); !done)
+                return tl::unexpected(done.error());
+            spdlog::info("{}: {:.1f} ms", scene::printable(file.string()), rendered->wall_ms);
+            if (options_.stats.empty()) continue;
+            if (const Result<void> done = write_json(tagged(tagged(options_.stats, number), api),
+                                                     stats_of(info, *rendered, options_.settings));
+                !done)
+                return tl::unexpected(done.error());
+        }
+        return pictures.size() < 2 ? Result<bool>(true) : agree(pictures[0], pictures[1], number);
+    }
+
+  private:
+    Result<bool> agree(const Picture& gl, const Picture& vulkan, std::string_view number) {
+        progress_.next("comparing");
+        const std::filesystem::path file = tagged(tagged(product_.file, number), "diff");
+        if (const Result<void> done = write_difference(file, gl, vulkan); !done)
+            return tl::unexpected(done.error());
+        const bool software =
+            std::ranges::all_of(devices_, [](const rhi::Device& device) { return device.info().software; });
+        const auto layers = compare(gl, vulkan, software ? ParityChoice::mesa : ParityChoice::hardware,
+                                    scene::printable(file.string()));
+        if (!layers) return tl::unexpected(layers.error());
+        bool passed = true;
+        for (const LayerComparison& layer : *layers) {
+            constexpr size_t listed = 20;
+            passed &= layer.figures.parity.passed;
+            if (options_.quiet && layer.figures.parity.passed) continue;
+            fmt::print("gl (reference) and vulkan (test){}{}\n{}", layer.layer.empty() ? "" : ", ",
+                       layer.layer, reference::to_text(layer.figures, listed));
+        }
+        return passed;
+    }
+
+    const Options& options_;
+    Product product_;
+    std::vector<rhi::Device>& devices_;
+    Progress& progress_;
+    bool explained_ = false;
+};
+
+Result<bool> render_all(const Options& options, const Product& product, std::vector<rhi::Device>& devices,
+                        scene::Scene& scene, const scene::Camera& camera, Progress& progress) {
+    const Animation& animation = options.animation;
+    const Sun first_sun = sun_of(scene);
+    if (animation.sun_to && first_sun.irradiance == glm::vec3(0))
+        return fail(ErrorKind::invalid_argument, "--sun-to", "the scene has no sun to move",
+                    "give one with --sun");
+    Renderer renderer(options, product, devices, progress);
+    bool agreed = true;
+    for (uint32_t i = animation.shard - 1; i < animation.count; i += animation.shards) {
+        const float turn = animation.orbit * float(i) / float(animation.count);
+        if (animation.sun_to) {
+            const float t = animation.count > 1 ? float(i) / float(animation.count - 1) : 0.0f;
+            replace_sun(scene, between(first_sun, *animation.sun_to, t));
+        }
+        const std::string number = animation.count > 1 ? fmt::format("{:04}", i + 1) : "";
+        const Result<bool> agrees = renderer.render(scene, orbited(camera, turn), number);
+        if (!agrees) return agrees;
+        agreed &= *agrees;
+    }
+    return agreed;
+}
+
+}  // namespace
+
+Result<int> render(const Options& options) {
+    const auto product = product_of(options);
+    if (!product) return tl::unexpected(product.error());
+
+    const int apis = options.api == ApiChoice::both ? 2 : 1;
+    const uint32_t frames =
+        (options.animation.count - options.animation.shard) / options.animation.shards + 1;
+    Progress progress(1 + int(frames) * (apis + (apis > 1 ? 1 : 0)), options.quiet);
+    progress.next(scene::printable(options.scene));
+    auto scene = load_scene(options);
+    if (!scene) return tl::unexpected(scene.error());
+    for (const std::string& line : warnings_of(*scene)) spdlog::warn("{}", line);
+    const auto camera = choose_camera(options, *scene);
+    if (!camera) return tl::unexpected(camera.error());
+
+    int failures = 0;
+    Result<bool> agreed = false;
+    {
+        auto devices = make_devices(options, failures);
+        if (!devices) return tl::unexpected(devices.error());
+        agreed = render_all(options, *product, *devices, *scene, *camera, progress);
+    }
+    if (!agreed) return tl::unexpected(agreed.error());
+    if (failures > 0)
+        return fail(ErrorKind::unsupported, "validation",
+                    fmt::format("{} messages that fail a run", failures), "they are above");
+    return *agreed ? exit_done : exit_differs;
+}
+
+}  // namespace lumo::program
