@@ -31,6 +31,20 @@ uint64_t texture_bytes(const rhi::TextureDesc& desc) {
     return bytes * desc.samples;
 }
 
+/// While it lives the driver is silent: what fails then becomes an error value, and need not be said twice.
+class Silence {
+  public:
+    Silence() : spoke_(glIsEnabled(GL_DEBUG_OUTPUT)) { glDisable(GL_DEBUG_OUTPUT); }
+    Silence(const Silence&) = delete;
+    Silence& operator=(const Silence&) = delete;
+    ~Silence() {
+        if (spoke_) glEnable(GL_DEBUG_OUTPUT);
+    }
+
+  private:
+    bool spoke_;
+};
+
 void allocate(GLuint name, const rhi::TextureDesc& desc) {
     const GLenum internal = gl_format(desc.format).internal;
     const auto mips = GLsizei(desc.mips), samples = GLsizei(desc.samples);
@@ -85,6 +99,7 @@ Result<rhi::CreatedBuffer> Resources::create(rhi::BufferHandle handle, const rhi
     if (desc.memory == rhi::Memory::upload) flags = mapping | GL_MAP_WRITE_BIT;
     if (desc.memory == rhi::Memory::readback) flags = mapping | GL_MAP_READ_BIT;
 
+    const Silence silence;
     GLuint name = 0;
     glCreateBuffers(1, &name);
     glNamedBufferStorage(name, GLsizeiptr(desc.size), nullptr, flags);
@@ -105,6 +120,7 @@ Result<rhi::CreatedBuffer> Resources::create(rhi::BufferHandle handle, const rhi
 }
 
 Result<uint64_t> Resources::create(rhi::TextureHandle handle, const rhi::TextureDesc& desc) {
+    const Silence silence;
     GLuint name = 0;
     glCreateTextures(gl_target(desc.dimension), 1, &name);
     allocate(name, desc);
