@@ -192,6 +192,13 @@ Result<std::vector<uint32_t>> MeshBuilder::triangles_of(const tinygltf::Primitiv
         auto read = read_indices(document_, bytes_, primitive.indices);
         if (!read) return read;
         indices = std::move(*read);
+        const int type = accessors[size_t(primitive.indices)].componentType;
+        const uint32_t restart = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 0xffu
+                                 : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffffu
+                                                                                  : 0xffffffffu;
+        if (std::ranges::find(indices, restart) != indices.end())
+            document_.warnings.add(
+                fmt::format("{} has index {}, which glTF keeps for restarts", where, restart));
         const auto outside =
             std::ranges::find_if(indices, [&](uint32_t index) { return index >= vertex_count; });
         if (outside != indices.end())

@@ -63,7 +63,7 @@ std::vector<Corner> make_corners(std::span<const Vertex> vertices, const Tangent
         const Vertex& v = vertices[i];
         const glm::vec2 texture = uv.uv_transform * glm::vec3(uv.uv_set == 0 ? v.uv0 : v.uv1, 1);
         // Adding zero makes negative zeros equal to the others.
-        corners[i] = {v.position + 0.0f, v.normal + 0.0f, glm::vec2(texture.x, 1 - texture.y) + 0.0f};
+        corners[i] = {v.position + 0.0f, v.normal + 0.0f, glm::vec2(texture.x, -texture.y) + 0.0f};
     }
     return corners;
 }

@@ -53,7 +53,11 @@ struct GltfFile {
     }
 
     /// A triangle in the plane z = 0, facing +Z: (0,0), (1,0), (0,1).
-    int triangle_positions() { return floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3"); }
+    int triangle_positions() {
+        const int accessor = floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");
+        document["accessors"][size_t(accessor)].update({{"min", {0, 0, 0}}, {"max", {1, 1, 0}}});
+        return accessor;
+    }
 
     int mesh(nlohmann::json attributes, nlohmann::json more = {}) {
         nlohmann::json primitive = {{"attributes", std::move(attributes)}};
