@@ -198,8 +198,8 @@ Model corner_pier(const Palette& palette) {
                        {0.345f, spring - 0.14f},
                        {0.385f, spring - 0.09f},
                        {0.385f, spring},
-                       {0.28f, spring},
-                       {0.28f, top}}},
+                       {0.29f, spring},
+                       {0.29f, top}}},
                      4);
     };
     Model model;
