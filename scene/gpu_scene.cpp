@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <fmt/format.h>
 #include <map>
 #include <tuple>
@@ -35,7 +36,7 @@ enum Role : uint32_t { base_color, metallic_roughness, normal, occlusion, emissi
 constexpr uint32_t flag_unlit = 0x100;
 constexpr uint32_t flag_normal_mapped = 0x200;
 
-struct StoredMaterial {
+struct alignas(material_stride) StoredMaterial {
     glm::vec4 base_color;
     glm::vec3 emission;
     float alpha_cutoff;
@@ -47,7 +48,7 @@ struct StoredMaterial {
     uint32_t padding[3];
     glm::vec4 uv_rows[2 * role_count];
 };
-static_assert(sizeof(StoredMaterial) == 224);
+static_assert(sizeof(StoredMaterial) == material_stride && offsetof(StoredMaterial, uv_rows) == 64);
 
 StoredVertex stored(const Vertex& v) {
     StoredVertex s{v.position, v.uv0.x, v.normal, v.uv0.y, v.tangent, v.uv1, {}};
@@ -371,7 +372,7 @@ Result<GpuScene> GpuScene::create(rhi::Device& device, const Scene& scene, bool 
                         scene.indices);
         })
         .and_then([&] { return fill(gpu.instances_, "scene.instances", BufferUsage::storage, instances); })
-        .and_then([&] { return fill(gpu.materials_, "scene.materials", BufferUsage::storage, materials); })
+        .and_then([&] { return fill(gpu.materials_, "scene.materials", BufferUsage::uniform, materials); })
         .map([&] { return std::move(gpu); });
 }
 

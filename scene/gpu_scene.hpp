@@ -39,15 +39,22 @@ struct DrawView {
     glm::vec3 center{0};  ///< of its world bounds, for sorting
 };
 
+inline constexpr uint64_t material_stride = 256;  ///< bytes; meets every device's alignment of uniform blocks
+
 /// Everything that rasterizers and voxelizers read. Layouts: shaders/common/geometry.glsl and material.glsl.
 struct GeometryView {
     rhi::BufferSlice vertices;
     rhi::BufferSlice indices;  ///< uint32
     rhi::BufferSlice instances;
-    rhi::BufferSlice materials;
+    rhi::BufferSlice materials;                  ///< blocks of material.glsl, material_stride bytes apart
     std::span<const MaterialTextures> textures;  ///< by material
     std::span<const DrawView> draws;             ///< sorted by alpha mode, then material
     Bounds bounds;                               ///< world
+
+    rhi::UniformBuffer material(uint32_t index) const {
+        return rhi::BufferSlice{materials.buffer, materials.offset + index * material_stride,
+                                material_stride};
+    }
 };
 
 /// Owns a scene's buffers and textures.

@@ -20,10 +20,11 @@ Surface make_surface(vec3 base_color, float metallic, float roughness) {
 
 float pow5(float x) { return x * x * x * x * x; }
 
-// Karis 2013, equation 3.
-float ggx_distribution(float alpha, float n_h) {
+// Karis 2013, equation 3. The squared sine of the angle between n and h comes by itself, because 1 - n_h² has lost
+// the digits that a narrow highlight is made of.
+float ggx_distribution(float alpha, float n_h, float sine_squared) {
     float a2 = alpha * alpha;
-    float d = (n_h * a2 - n_h) * n_h + 1;
+    float d = a2 * n_h * n_h + sine_squared;
     return a2 / (pi * d * d);
 }
 
@@ -36,8 +37,8 @@ float smith_visibility(float roughness, float n_l, float n_v) {
 // Schlick's fifth power in place of Karis' exponential fit to it (equation 5), which misses 1 at grazing angles.
 vec3 schlick_fresnel(vec3 f0, float v_h) { return f0 + (1 - f0) * pow5(1 - v_h); }
 
-vec3 specular_brdf(Surface surface, float n_l, float n_v, float n_h, float v_h) {
-    return ggx_distribution(surface.roughness * surface.roughness, n_h) *
+vec3 specular_brdf(Surface surface, float n_l, float n_v, float n_h, float sine_squared, float v_h) {
+    return ggx_distribution(surface.roughness * surface.roughness, n_h, sine_squared) *
            smith_visibility(surface.roughness, n_l, n_v) * schlick_fresnel(surface.specular, v_h);
 }
 
@@ -57,5 +58,7 @@ vec3 reflect_direct(Surface surface, vec3 normal, vec3 to_eye, vec3 to_light, bo
     vec3 half_vector = sum * inversesqrt(max(dot(sum, sum), 1e-12));
     float n_h = clamp(dot(normal, half_vector), 0, 1);
     float v_h = clamp(dot(to_eye, half_vector), 0, 1);
-    return (burley_brdf(surface, n_l, n_v, v_h) + specular_brdf(surface, n_l, n_v, n_h, v_h)) * n_l;
+    vec3 sine = cross(normal, half_vector);
+    return (burley_brdf(surface, n_l, n_v, v_h) + specular_brdf(surface, n_l, n_v, n_h, dot(sine, sine), v_h)) *
+           n_l;
 }

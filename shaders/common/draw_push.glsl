@@ -1,5 +1,4 @@
-// What changes from draw to draw: where its instances start, and its material.
+// What changes from draw to draw.
 layout(push_constant) uniform DrawPush {
     uint first_instance;
-    uint material;
 } draw;

@@ -1,7 +1,7 @@
 // What the vertex and fragment stages of the G-buffer share.
 #define GEOMETRY_VERTICES 0
 #define GEOMETRY_INSTANCES 1
-#define MATERIALS 2
+#define MATERIAL 2
 #define CAMERA 3
 #define BASE_COLOR_TEXTURE 4
 #define METALLIC_ROUGHNESS_TEXTURE 5

@@ -27,27 +27,26 @@ layout(location = 4) flat in float in_handedness;
 layout(location = 0) out vec4 out_radiance;  // not premultiplied
 
 void main() {
-    uint material = draw.material;
     vec2 uv0 = in_uv.xy;
     vec2 uv1 = in_uv.zw;
-    vec4 base_color = material_base_color(material, uv0, uv1, in_color);
-    if (is_unlit(material)) {
+    vec4 base_color = material_base_color(uv0, uv1, in_color);
+    if (is_unlit()) {
         out_radiance = base_color;
         return;
     }
     vec2 metallic_roughness = vec2(0, 1);
     float occlusion = 1;
     if (!diffuse_materials) {
-        metallic_roughness = material_metallic_roughness(material, uv0, uv1);
-        occlusion = material_occlusion(material, uv0, uv1);
+        metallic_roughness = material_metallic_roughness(uv0, uv1);
+        occlusion = material_occlusion(uv0, uv1);
     }
     float side = gl_FrontFacing == (in_handedness > 0) ? 1 : -1;
     vec3 geometric_normal = side * unit(in_normal + vec3(0, 1e-12, 0));
-    vec3 normal = side * material_normal(material, uv0, uv1, in_normal, in_tangent);
+    vec3 normal = side * material_normal(uv0, uv1, in_normal, in_tangent);
     vec3 position = world_from_pixel(gl_FragCoord.xy, gl_FragCoord.z);
     Surface surface = make_surface(base_color.rgb, metallic_roughness.x, metallic_roughness.y);
 
-    vec3 radiance = material_emission(material, uv0, uv1);
+    vec3 radiance = material_emission(uv0, uv1);
     if (sun)
         radiance += light.sun_irradiance * sun_visibility(position, geometric_normal) *
                     reflect_direct(surface, normal, direction_to_eye(position), shadow.direction.xyz,

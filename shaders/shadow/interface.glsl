@@ -2,7 +2,7 @@
 #define GEOMETRY_VERTICES 0
 #define GEOMETRY_INSTANCES 1
 #define SHADOW 2
-#define MATERIALS 3
+#define MATERIAL 3
 #define BASE_COLOR_TEXTURE 4
 
 #include "common/draw_push.glsl"

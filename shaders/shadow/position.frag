@@ -12,8 +12,8 @@ layout(location = 0) out vec4 out_position;
 
 void main() {
     if (alpha_test) {
-        vec4 color = material_base_color(draw.material, in_uv.xy, in_uv.zw, vec4(1, 1, 1, in_alpha));
-        if (color.a < materials.data[draw.material].alpha_cutoff) discard;
+        vec4 color = material_base_color(in_uv.xy, in_uv.zw, vec4(1, 1, 1, in_alpha));
+        if (color.a < material.alpha_cutoff) discard;
     }
     out_position = vec4(in_position, 1);
 }

@@ -1,5 +1,5 @@
 #include "common/voxel_grid.glsl"
-#define MATERIALS 3
+#define MATERIAL 3
 #define BASE_COLOR_TEXTURE 4
 #define EMISSION_TEXTURE 5
 #include "common/material.glsl"
@@ -37,7 +37,7 @@ void add_color(ivec3 voxel, int first_word, vec3 color, float weight) {
 // The mip whose texels are as large as a voxel.
 float texel_lod(uint role, ivec2 size) {
     vec2 side = uv_per_voxel * sqrt(float(size.x) * float(size.y));
-    bool second_set = (materials.data[push.material].flags >> role & 1u) != 0u;
+    bool second_set = (material.flags >> role & 1u) != 0u;
     return log2(max(second_set ? side.y : side.x, 1.0));
 }
 
@@ -48,14 +48,12 @@ void main() {
     voxel = axis == 0u ? voxel.zxy : axis == 1u ? voxel.yzx : voxel;
     if (!inside_grid(voxel, int(push.resolution))) return;
 
-    vec4 base = material_base_color_lod(push.material, uv0, uv1, color,
-                                        texel_lod(role_base_color, textureSize(base_color_texture, 0)));
-    if (alpha_test && base.a < materials.data[push.material].alpha_cutoff) return;
+    vec4 base = material_base_color_lod(uv0, uv1, color, texel_lod(role_base_color, textureSize(base_color_texture, 0)));
+    if (alpha_test && base.a < material.alpha_cutoff) return;
     vec3 value = base.rgb;
     if (emission) {
         value = push.emission_scale *
-                material_emission_lod(push.material, uv0, uv1,
-                                      texel_lod(role_emission, textureSize(emission_texture, 0)));
+                material_emission_lod(uv0, uv1, texel_lod(role_emission, textureSize(emission_texture, 0)));
     }
 
     // At least 1, so that a fragment of any slope marks its voxel.

@@ -4,6 +4,5 @@ layout(push_constant) uniform Push {
     uint resolution;          // voxels a side
     uint first_index;
     uint first_instance;
-    uint material;
     float emission_scale;     // stored emission = radiance * emission_scale, for 0 to 1
 } push;

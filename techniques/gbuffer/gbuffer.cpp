@@ -91,17 +91,27 @@ void GBuffer::draw_all(rhi::RasterPass& pass, const Pipelines<P>& pipelines,
         const scene::MaterialTextures& textures = geometry.textures[draw.material];
         typename P::Bindings bindings = [&] {
             if constexpr (std::is_same_v<P, shaders::gbuffer::surface_emission>)
-                return typename P::Bindings{
-                    geometry.vertices,   geometry.instances,          geometry.materials, camera,
-                    textures.base_color, textures.metallic_roughness, textures.normal,    textures.occlusion,
-                    textures.emission};
+                return typename P::Bindings{geometry.vertices,
+                                            geometry.instances,
+                                            geometry.material(draw.material),
+                                            camera,
+                                            textures.base_color,
+                                            textures.metallic_roughness,
+                                            textures.normal,
+                                            textures.occlusion,
+                                            textures.emission};
             else
-                return typename P::Bindings{
-                    geometry.vertices,   geometry.instances,          geometry.materials, camera,
-                    textures.base_color, textures.metallic_roughness, textures.normal,    textures.occlusion};
+                return typename P::Bindings{geometry.vertices,
+                                            geometry.instances,
+                                            geometry.material(draw.material),
+                                            camera,
+                                            textures.base_color,
+                                            textures.metallic_roughness,
+                                            textures.normal,
+                                            textures.occlusion};
         }();
         pass.draw(pipelines[alpha_test][size_t(cull_mode(draw, needs_))], bindings,
-                  {.first_instance = draw.first_instance, .material = draw.material},
+                  {.first_instance = draw.first_instance},
                   rhi::DrawIndexed{.indices = geometry.indices,
                                    .count = draw.index_count,
                                    .instances = draw.instances,

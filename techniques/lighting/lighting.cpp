@@ -116,7 +116,7 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
             if constexpr (std::is_same_v<P, shaders::lighting::blended_indirect>)
                 return typename P::Bindings{geometry.vertices,
                                             geometry.instances,
-                                            geometry.materials,
+                                            geometry.material(draw->material),
                                             inputs.gbuffer.camera,
                                             textures.base_color,
                                             textures.metallic_roughness,
@@ -130,20 +130,25 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
                                             inputs.gather->emission,
                                             inputs.gather->block};
             else
-                return typename P::Bindings{geometry.vertices,   geometry.instances,
-                                            geometry.materials,  inputs.gbuffer.camera,
-                                            textures.base_color, textures.metallic_roughness,
-                                            textures.normal,     textures.occlusion,
-                                            textures.emission,   sun_block,
-                                            shadow_map,          light};
+                return typename P::Bindings{geometry.vertices,
+                                            geometry.instances,
+                                            geometry.material(draw->material),
+                                            inputs.gbuffer.camera,
+                                            textures.base_color,
+                                            textures.metallic_roughness,
+                                            textures.normal,
+                                            textures.occlusion,
+                                            textures.emission,
+                                            sun_block,
+                                            shadow_map,
+                                            light};
         }();
         // Far faces of a body that is seen through come before its near ones.
         const CullMode near_faces = draw->mirrored ? CullMode::front : CullMode::back;
         const CullMode far_faces = draw->mirrored ? CullMode::back : CullMode::front;
         for (const CullMode cull : {far_faces, near_faces}) {
             if (cull == far_faces && !draw->double_sided) continue;
-            pass.draw(pipelines[size_t(cull)], bindings,
-                      {.first_instance = draw->first_instance, .material = draw->material},
+            pass.draw(pipelines[size_t(cull)], bindings, {.first_instance = draw->first_instance},
                       rhi::DrawIndexed{.indices = geometry.indices,
                                        .count = draw->index_count,
                                        .instances = draw->instances,

@@ -122,15 +122,17 @@ View Shadow::record(rhi::Commands& commands, const scene::GeometryView& geometry
         const auto& base_color = geometry.textures[draw.material].base_color;
         if (settings_.position_target)
             pass.draw(position_pipelines_[alpha_test],
-                      {geometry.vertices, geometry.instances, view.block, geometry.materials, base_color},
-                      {draw.first_instance, draw.material}, triangles);
+                      {geometry.vertices, geometry.instances, view.block, geometry.material(draw.material),
+                       base_color},
+                      {draw.first_instance}, triangles);
         else if (alpha_test)
             pass.draw(masked_pipeline_,
-                      {geometry.vertices, geometry.instances, view.block, geometry.materials, base_color},
-                      {draw.first_instance, draw.material}, triangles);
+                      {geometry.vertices, geometry.instances, view.block, geometry.material(draw.material),
+                       base_color},
+                      {draw.first_instance}, triangles);
         else
             pass.draw(depth_pipeline_, {geometry.vertices, geometry.instances, view.block},
-                      {draw.first_instance, draw.material}, triangles);
+                      {draw.first_instance}, triangles);
     }
     return view;
 }

@@ -145,7 +145,7 @@ void Volume::sum(rhi::Commands& commands, const scene::GeometryView& geometry, b
                   {.vertices = geometry.vertices,
                    .indices = geometry.indices,
                    .instances = geometry.instances,
-                   .materials = geometry.materials,
+                   .material = geometry.material(draw.material),
                    .base_color_texture = textures.base_color,
                    .emission_texture = textures.emission,
                    .sums = sums_.mip<Dimension::d3>(0)},
@@ -154,7 +154,6 @@ void Volume::sum(rhi::Commands& commands, const scene::GeometryView& geometry, b
                    .resolution = side,
                    .first_index = draw.first_index,
                    .first_instance = draw.first_instance,
-                   .material = draw.material,
                    .emission_scale = 1 / emission_unit_},
                   rhi::Draw{.vertices = draw.index_count, .instances = draw.instances * 3});
     }
