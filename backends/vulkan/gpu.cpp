@@ -106,11 +106,10 @@ Candidate look_at(const Instance& instance, VkPhysicalDevice device) {
     return found;
 }
 
+/// The higher, the more likely it is fast.
 int rank(VkPhysicalDeviceType type) {
-    constexpr int other = 0, cpu = 1, virtual_gpu = 2, integrated = 3, discrete = 4;
-    constexpr int ranks[] = {other, integrated, discrete, virtual_gpu,
-                             cpu};  // in the order of the type's values
-    return size_t(type) < std::size(ranks) ? ranks[type] : other;
+    constexpr int ranks[] = {0, 3, 4, 2, 1};  // other, integrated, discrete, virtual, CPU
+    return size_t(type) < std::size(ranks) ? ranks[type] : 0;
 }
 
 /// `part` in `name`, without case.
@@ -128,9 +127,9 @@ Result<Candidate> choose(const Instance& instance, std::string_view name) {
         return fail(ErrorKind::no_device, "Vulkan", "no device was found",
                     "install a Vulkan driver, such as the package mesa-vulkan-drivers, or use OpenGL");
     }
-    std::vector<std::string_view> all;
-    for (const auto& candidate : candidates) all.push_back(candidate.name());
-    std::string list = fmt::format("{}", fmt::join(all, ", "));
+    std::string list;
+    for (const auto& candidate : candidates)
+        list += (list.empty() ? "" : ", ") + std::string(candidate.name());
     std::erase_if(candidates, [&](const Candidate& c) { return !names(c.name(), name); });
     if (candidates.empty()) {
         return fail(ErrorKind::no_device, std::string(name), "no Vulkan device has this name",
@@ -230,7 +229,8 @@ Result<std::unique_ptr<Gpu>> Gpu::create(const rhi::DeviceDesc& desc) {
 
     VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
                                          .synchronization2 = VK_TRUE,
-                                         .dynamicRendering = VK_TRUE};
+                                         .dynamicRendering = VK_TRUE,
+                                         .maintenance4 = VK_TRUE};
     VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
                                          .pNext = &v13,
                                          .hostQueryReset = VK_TRUE,

@@ -68,7 +68,7 @@ inline constexpr VkObjectType object_type<VkPipelineLayout> = VK_OBJECT_TYPE_PIP
 template <>
 inline constexpr VkObjectType object_type<VkPipeline> = VK_OBJECT_TYPE_PIPELINE;
 
-/// What a failed call means to the caller; `call` is the function's name.
+/// What a failed call means to the caller; `call` says which.
 tl::unexpected<Error> fail(VkResult result, std::string subject, std::string_view call);
 
 class Gpu {
@@ -105,7 +105,7 @@ class Gpu {
                            std::string_view name) const {
         T object = VK_NULL_HANDLE;
         VkResult result = create(device_, &info, nullptr, &object);
-        if (result != VK_SUCCESS) return fail(result, std::string(name), "vkCreate");
+        if (result != VK_SUCCESS) return fail(result, std::string(name), "its creation");
         if constexpr (object_type<T> != VK_OBJECT_TYPE_UNKNOWN) {
             set_name(object_type<T>, uint64_t(object), name);
         }
