@@ -333,6 +333,11 @@ TEST_F(Checks, ClearsAndMips) {
     expect(Check::format_unsupported, "blocks", [&](Pass& pass) { pass.clear(blocks.view()); });
     expect(Check::view_out_of_range, "floats",
            [&](Pass& pass) { pass.clear(floats.view({.first_mip = 1, .mips = 2})); });
+    Texture words =
+        texture({.name = "words", .format = Format::r32_uint, .view_formats = {Format::rgba8_unorm}});
+    expect(Check::view_format, "words", [&](Pass& pass) {
+        pass.clear(words.view({.format = Format::rgba8_unorm}), std::array<float, 4>{1, 0, 0, 0});
+    });
     expect(Check::format_unsupported, "depth", [&](Pass& pass) { pass.generate_mips(depth); });
     state.caps[Format::rgba8_unorm] = FormatCaps::sampled;
     expect(Check::format_unsupported, "floats", [&](Pass& pass) { pass.generate_mips(floats); });
@@ -444,6 +449,8 @@ TEST_F(RasterChecks, Draws) {
                   draw(DrawIndirect{.arguments = arguments.slice(), .draws = 5}));
     expect_raster(Check::buffer_too_small, "4 draws", targets(),
                   draw(DrawIndirect{.arguments = arguments.slice(), .draws = 4, .indices = indices.slice()}));
+    expect_raster(Check::buffer_alignment, "indices", targets(),
+                  draw(DrawIndirect{.arguments = arguments.slice(), .indices = indices.slice(4, 32)}));
     expect_raster(Check::missing_usage, "indices", targets(),
                   draw(DrawIndirect{.arguments = indices.slice()}));
     expect_raster(Check::empty_work, "viewport", targets(),
