@@ -81,8 +81,7 @@ Geometry abacus(float apothem, float foot, float top) {
                  4);
 }
 
-/// The wall of a bay over its arch, facing +Z at z = 0: from the springing line up to height, less the arch's
-/// disc.
+/// The wall of a bay over its arch, in the XY plane: from the springing line up to height, less the arch's disc.
 Geometry arched_panel(float half_width, float height, float radius, uint32_t segments) {
     const float corner = std::atan2(height, half_width);
     std::vector<float> angles;

@@ -18,7 +18,7 @@ void add_rod(Model& to, const Palette& palette) {
     append(to[palette.bronze], lathe({{{0.022f, 0}, {0.022f, 2 * rod_half}}}, 8), lying);
 }
 
-/// Half a curtain from the middle of the bay (s = 0) to the column at +X (s = 1), held back at tie_height.
+/// Half a curtain from the middle of the bay (s = 0) to the column at +X (s = 1), drawn aside below the rod.
 glm::vec3 held_back(float s, float t) {
     const float tie = 0.38f;  // in t
     const float top = rod_height, foot = ground_floor + 0.06f;

@@ -19,13 +19,11 @@ glm::vec3 sphere_point(int i, int count) {
     return {r * std::cos(angle), y, r * std::sin(angle)};
 }
 
-/// A leaf of two halves bent along its rib, lying in the XZ plane with its stalk at the origin and its tip at
-/// +Z.
+/// A leaf bent along its rib, in the XZ plane, from its stalk at the origin to its tip at +Z.
 Geometry leaf(float length) {
     const float half = 0.26f * length, lift = 0.10f * length;
-    Geometry result =
-        quadrilateral({0, 0, 0}, {half, lift, 0.45f * length}, {0, 0, length}, {-half, lift, 0.45f * length});
-    return result;
+    return quadrilateral({0, 0, 0}, {half, lift, 0.45f * length}, {0, 0, length},
+                         {-half, lift, 0.45f * length});
 }
 
 /// A disc facing up.
@@ -45,8 +43,9 @@ Model court_floor(const Palette& palette) {
         {-inner.x, 0, inner.y}, {inner.x, 0, inner.y}, {inner.x, 0, -inner.y}, {-inner.x, 0, -inner.y}};
     const glm::vec3 out[4] = {
         {-outer.x, 0, outer.y}, {outer.x, 0, outer.y}, {outer.x, 0, -outer.y}, {-outer.x, 0, -outer.y}};
-    for (int i = 0; i < 4; ++i)
+    for (int i = 0; i < 4; ++i) {
         append(border, quadrilateral(out[i], out[(i + 1) % 4], in[(i + 1) % 4], in[i]));
+    }
     append(model[palette.marble], border);
     return model;
 }

@@ -12,8 +12,7 @@ constexpr float vault_rise = 1.42f;
 constexpr float vault_half_depth = 0.5f * (gallery_depth - wall_half);
 constexpr float vault_center = -wall_half - vault_half_depth;  // z in a side's frame
 
-/// One of a groin vault's four webs, seen from below: part of the barrel along Z, from the crown to z =
-/// half.y.
+/// One of a groin vault's four webs, seen from below: of the barrel along Z, from the crown to z = half.y.
 Geometry vault_web(glm::vec2 half) {
     return grid({.columns = 6, .rows = 5, .metres = {0.5f * pi * half.x, half.y}}, [=](float s, float t) {
         const float turn = 0.5f * pi * t;
@@ -46,8 +45,7 @@ Geometry wooden_leaf(glm::vec2 size, int fields) {
     return wood;
 }
 
-/// An opening's stone frame: jambs and lintel of that width about an opening, with a cornice over
-/// it.
+/// Jambs and lintel of that width about an opening, with a cornice over them.
 Geometry opening_frame(glm::vec2 opening, float width) {
     const float half = 0.5f * opening.x;
     Geometry stone = box({-half - width, 0, -frame_foot}, {-half, opening.y, 0.12f});
@@ -91,8 +89,8 @@ void add_tiles(Geometry& to, float side_length) {
     for (int i = -half_count; i <= half_count; ++i) {
         const float x = spacing * float(i);
         const float foot_z = std::min(eave.x, 0.5f * side_length - std::abs(x));
-        const glm::vec3 foot(x, eave.y + (foot_z - eave.x) * slope.y / slope.x, foot_z),
-            top(x, ridge.y, ridge.x);
+        const glm::vec3 foot(x, eave.y + (foot_z - eave.x) * slope.y / slope.x, foot_z);
+        const glm::vec3 top(x, ridge.y, ridge.x);
         const float length = glm::distance(foot, top);
         if (length < 0.3f) continue;
         const std::array frames{

@@ -10,12 +10,12 @@
 namespace lumo::scene {
 
 /// The names that make_builtin knows, the default scene first:
-///  - atrium           a colonnaded court with coloured cloth under sun and sky; textured, no emitters
+///  - atrium           a colonnaded court with coloured cloth under sun and sky; textured, no emitters; cameras
+///                     court, gallery, balcony and fountain
 ///  - cornell          the Cornell box as measured at Cornell University, at ten times its size
 ///  - area-light       the paper's HDR case: a red and a green wall lit by a sphere that emits (0, 0, 10)
-///  - area-light-pure  the same with wall albedos of exactly (1, 0, 0) and (0, 1, 0): physics leaves both
-///  walls
-///                     black and all red and green radiance zero, so whatever appears there has leaked
+///  - area-light-pure  the same with wall albedos of exactly (1, 0, 0) and (0, 1, 0): physics leaves both walls
+///                     black and all red and green radiance zero; what appears there has leaked
 ///  - furnace          a closed convex body of albedo 1 in an environment of radiance 1: irradiance is pi and
 ///                     radiance 1 at every point and for every number of bounces
 std::span<const std::string_view> builtin_names();

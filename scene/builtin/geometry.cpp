@@ -281,7 +281,8 @@ Geometry archivolt(const Profile& profile, glm::vec2 radii, uint32_t segments) {
     float u = 0;
     for (uint32_t i = 0; i <= segments; ++i) {
         const float angle = glm::pi<float>() * (1 - float(i) / float(segments));
-        const glm::vec2 unit(i == segments ? 1 : std::cos(angle), i % segments == 0 ? 0 : std::sin(angle));
+        const glm::vec2 unit(i == segments ? 1 : std::cos(angle),
+                             i == 0 || i == segments ? 0 : std::sin(angle));
         const glm::vec3 origin(radii * unit, 0);
         if (i > 0) u += glm::distance(origin, frames.back().origin);
         frames.push_back({.origin = origin,

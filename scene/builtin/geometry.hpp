@@ -60,24 +60,23 @@ glm::mat4 rotation_y(float radians);  ///< takes +Z toward +X
 /// A parallelogram seen from cross(right, up), with right and up as its edges from origin.
 Geometry parallelogram(glm::vec3 origin, glm::vec3 right, glm::vec3 up);
 
-/// A flat or nearly flat polygon of four corners, counter-clockwise, with one normal; u runs along the first
-/// edge.
+/// A flat or nearly flat polygon of four corners, counter-clockwise, with one normal; u runs from a to b.
 Geometry quadrilateral(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d);
 
 /// An axis-aligned closed box; uv0 is a projection of the position, so that patterns go on from box to box.
 Geometry box(glm::vec3 min, glm::vec3 max);
 
-/// A closed block between a lower (y) and an upper quadrilateral, each counter-clockwise seen from above;
-/// flat faces.
+/// A closed block of flat faces between a lower and an upper one, both counter-clockwise seen from above.
 Geometry block(const std::array<glm::vec3, 4>& lower, const std::array<glm::vec3, 4>& upper);
 
-/// A surface over [0,1]²; position(s, t) with t upward where s goes right as seen from the front. metres
-/// gives uv0 at (1,1). Normals come from the positions by differences.
 struct GridShape {
-    uint32_t columns = 1;
-    uint32_t rows = 1;
-    glm::vec2 metres{1};
+    uint32_t columns = 1;  ///< quads along s
+    uint32_t rows = 1;     ///< quads along t
+    glm::vec2 metres{1};   ///< what uv0 spans
 };
+
+/// The surface position(s, t) over [0,1]², with t upward where s goes right as seen from the front. An edge may
+/// shrink to a point. Normals come from the positions by differences.
 Geometry grid(const GridShape& shape, const std::function<glm::vec3(float s, float t)>& position);
 
 /// A cross-section: points (x outward, y along the surface's up), the front to the right of the way along it,
@@ -90,8 +89,8 @@ struct Profile {
 /// An arc as profile points, both ends included, angles in radians from +x toward +y.
 std::vector<glm::vec2> arc(glm::vec2 center, glm::vec2 radii, float from, float to, uint32_t segments);
 
-/// Where a swept profile stands: at origin + x * x_axis + y * y_axis + x * shear * along, along = y_axis ×
-/// x_axis.
+/// Where a swept profile stands: origin + x x_axis + y y_axis + x shear along, where along = y_axis × x_axis is
+/// the way of the path.
 struct SweepFrame {
     glm::vec3 origin{0};
     glm::vec3 x_axis{0, 0, 1};  ///< unit
@@ -100,13 +99,14 @@ struct SweepFrame {
     float shear = 0;            ///< for mitres
 };
 
+/// A profile carried from frame to frame.
 Geometry sweep(const Profile& profile, std::span<const SweepFrame> frames);
 
-/// A profile turned about +Y.
+/// A profile turned about +Y, x being the radius; closed where the profile begins and ends on the axis.
 Geometry lathe(const Profile& profile, uint32_t segments);
 
-/// A profile carried round a regular polygon about +Y with mitred corners, x being the apothem. A face looks
-/// to +Z.
+/// A profile carried round a regular polygon about +Y with mitred corners, x being the apothem; one face looks to
+/// +Z.
 Geometry prism(const Profile& profile, uint32_t sides);
 
 /// A profile carried along +X from 0 to length, facing +Z. A mitre of 1 shortens that end by the profile's x

@@ -15,8 +15,7 @@ struct SurfaceSample {
     float roughness = 1;     ///< perceptual
 };
 
-/// A surface over one tile: position in [0,1)², x to the right, y up. It goes on seamlessly at the tile's
-/// edges.
+/// A surface over one tile, seamless at its edges: position in [0,1)², x to the right, y up.
 using SurfacePattern = SurfaceSample (*)(glm::vec2 position);
 
 /// Fine smooth stone of columns and mouldings. Made for a tile of 2 m.
