@@ -26,15 +26,18 @@ layout(binding = gather_binding + 2, std140) uniform Gather {
 // A step is this part of the cone's diameter: half of it keeps the trilinear filter's footprints overlapping.
 const float step_per_diameter = 0.5;
 
+// A cone ends when less than this part of the light behind gets through.
+const float min_transmittance = 0.01;
+
 // Radiance from a cone. Origin in grid space, `start` in voxels.
 vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start) {
     vec3 radiance = vec3(0);
     float transmittance = 1.0;
     float distance = start;
-    for (int i = 0; i < 1024; ++i) {
-        vec3 position = origin + direction * distance;
-        if (any(lessThan(position, vec3(0))) || any(greaterThan(position, vec3(gather.resolution)))) break;
-
+    vec3 position = origin + direction * distance;
+    // One exit: Mesa's GLSL compiler goes wrong on a loop that leaves its function from the middle.
+    while (transmittance >= min_transmittance && all(greaterThanEqual(position, vec3(0))) &&
+           all(lessThanEqual(position, vec3(gather.resolution)))) {
         float diameter = max(2.0 * tan_half_aperture * distance, 1.0);
         float lod = log2(diameter);
         vec3 uvw = position / gather.resolution;
@@ -46,11 +49,12 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
             float opacity = 1.0 - pow(max(1.0 - stored.a, 0.0), step_per_diameter);
             radiance += transmittance * leaving * (opacity / stored.a);
             transmittance *= 1.0 - opacity;
-            if (transmittance < 0.01) return radiance;
         }
         distance += step_per_diameter * diameter;
+        position = origin + direction * distance;
     }
-    return gather_environment ? radiance + transmittance * gather.environment : radiance;
+    if (gather_environment && transmittance >= min_transmittance) radiance += transmittance * gather.environment;
+    return radiance;
 }
 
 // Two unit vectors that make a right-handed frame with a unit normal (Duff et al. 2017, Building an Orthonormal

@@ -31,9 +31,11 @@ void main() {
     float depth = texelFetch(shadow_depth, texel, 0).r;
     if (depth == 1.0) return;
 
-    vec2 ndc = (vec2(texel) + 0.5) / vec2(size) * 2.0 - 1.0;
-    vec4 world = push.world_from_light_clip * vec4(ndc, depth, 1.0);
-    vec3 position = grid_from_world(VoxelGrid(push.grid_origin, push.voxels_per_metre), world.xyz / world.w);
+    // Term by term and `precise`: which voxel a texel falls into must not hang on how a compiler orders a product.
+    precise vec2 ndc = (vec2(texel) + 0.5) / vec2(size) * 2.0 - 1.0;
+    mat4 m = push.world_from_light_clip;
+    precise vec3 world = m[0].xyz * ndc.x + m[1].xyz * ndc.y + m[2].xyz * depth + m[3].xyz;
+    precise vec3 position = (world - push.grid_origin) * push.voxels_per_metre;
 
     // A surface on or near a voxel's face can fall to the other side of it than its voxelization did, and a grazing
     // one pass a corner that no centre line met: half a voxel along the ray finds it.
