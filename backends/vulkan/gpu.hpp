@@ -49,25 +49,6 @@ class Unique {
     Destroy destroy_ = nullptr;
 };
 
-template <class T>
-inline constexpr VkObjectType object_type = VK_OBJECT_TYPE_UNKNOWN;
-template <>
-inline constexpr VkObjectType object_type<VkBuffer> = VK_OBJECT_TYPE_BUFFER;
-template <>
-inline constexpr VkObjectType object_type<VkImage> = VK_OBJECT_TYPE_IMAGE;
-template <>
-inline constexpr VkObjectType object_type<VkImageView> = VK_OBJECT_TYPE_IMAGE_VIEW;
-template <>
-inline constexpr VkObjectType object_type<VkSampler> = VK_OBJECT_TYPE_SAMPLER;
-template <>
-inline constexpr VkObjectType object_type<VkShaderModule> = VK_OBJECT_TYPE_SHADER_MODULE;
-template <>
-inline constexpr VkObjectType object_type<VkDescriptorSetLayout> = VK_OBJECT_TYPE_DESCRIPTOR_SET_LAYOUT;
-template <>
-inline constexpr VkObjectType object_type<VkPipelineLayout> = VK_OBJECT_TYPE_PIPELINE_LAYOUT;
-template <>
-inline constexpr VkObjectType object_type<VkPipeline> = VK_OBJECT_TYPE_PIPELINE;
-
 /// What a failed call means to the caller; `call` says which.
 tl::unexpected<Error> fail(VkResult result, std::string subject, std::string_view call);
 
@@ -97,18 +78,17 @@ class Gpu {
 
     void set_name(VkObjectType type, uint64_t object, std::string_view name) const;
 
-    /// Makes an object with one of the vkCreate functions, and names it.
+    /// Makes an object with one of the vkCreate functions. `name` is for errors, and for debuggers where the
+    /// object's type is given.
     template <class T, class Info>
     Result<Unique<T>> make(VkResult(VKAPI_PTR* create)(VkDevice, const Info*, const VkAllocationCallbacks*,
                                                        T*),
-                           typename Unique<T>::Destroy destroy, const Info& info,
-                           std::string_view name) const {
+                           typename Unique<T>::Destroy destroy, const Info& info, std::string_view name,
+                           VkObjectType type = VK_OBJECT_TYPE_UNKNOWN) const {
         T object = VK_NULL_HANDLE;
         VkResult result = create(device_, &info, nullptr, &object);
         if (result != VK_SUCCESS) return fail(result, std::string(name), "its creation");
-        if constexpr (object_type<T> != VK_OBJECT_TYPE_UNKNOWN) {
-            set_name(object_type<T>, uint64_t(object), name);
-        }
+        if (type != VK_OBJECT_TYPE_UNKNOWN) set_name(type, uint64_t(object), name);
         return Unique<T>(device_, object, destroy);
     }
 

@@ -47,7 +47,7 @@ Result<std::unique_ptr<ShaderStages>> make_stages(const Gpu& gpu, const rhi::Pro
                                       .codeSize = stage.spirv.size_bytes(),
                                       .pCode = stage.spirv.data()};
         auto module = gpu.make<VkShaderModule>(gpu.vk().vkCreateShaderModule, gpu.vk().vkDestroyShaderModule,
-                                               info, program.name);
+                                               info, program.name, VK_OBJECT_TYPE_SHADER_MODULE);
         if (!module) return tl::unexpected(module.error());
         made->infos.push_back({.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                .stage = VkShaderStageFlagBits(to_vk(stage.stage)),
@@ -210,20 +210,21 @@ Result<Pipeline> create_pipeline(const Gpu& gpu, const PipelineCache& cache, con
     if (gpu.has_push_descriptors()) {
         set_info.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
     }
-    auto set_layout = gpu.make<VkDescriptorSetLayout>(
-        vk.vkCreateDescriptorSetLayout, vk.vkDestroyDescriptorSetLayout, set_info, program.name);
+    auto set_layout =
+        gpu.make<VkDescriptorSetLayout>(vk.vkCreateDescriptorSetLayout, vk.vkDestroyDescriptorSetLayout,
+                                        set_info, program.name, VK_OBJECT_TYPE_DESCRIPTOR_SET_LAYOUT);
     if (!set_layout) return tl::unexpected(set_layout.error());
     made.set_layout = std::move(*set_layout);
 
     VkDescriptorSetLayout set = made.set_layout.get();
-    VkPushConstantRange push{made.stages, 0, (program.push_size + 3) / 4 * 4};
+    VkPushConstantRange push{made.stages, 0, program.push_size};
     VkPipelineLayoutCreateInfo layout_info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                            .setLayoutCount = 1,
                                            .pSetLayouts = &set,
                                            .pushConstantRangeCount = program.push_size > 0 ? 1u : 0u,
                                            .pPushConstantRanges = &push};
     auto layout = gpu.make<VkPipelineLayout>(vk.vkCreatePipelineLayout, vk.vkDestroyPipelineLayout,
-                                             layout_info, program.name);
+                                             layout_info, program.name, VK_OBJECT_TYPE_PIPELINE_LAYOUT);
     if (!layout) return tl::unexpected(layout.error());
     made.layout = std::move(*layout);
 

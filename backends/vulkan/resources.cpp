@@ -44,7 +44,8 @@ Result<Buffer> create_buffer(const Gpu& gpu, Allocator& allocator, const rhi::Bu
     if (has(desc.usage, BufferUsage::index)) usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
     if (has(desc.usage, BufferUsage::indirect)) usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = desc.size, .usage = usage};
-    auto buffer = gpu.make<VkBuffer>(gpu.vk().vkCreateBuffer, gpu.vk().vkDestroyBuffer, info, desc.name);
+    auto buffer = gpu.make<VkBuffer>(gpu.vk().vkCreateBuffer, gpu.vk().vkDestroyBuffer, info, desc.name,
+                                     VK_OBJECT_TYPE_BUFFER);
     if (!buffer) return tl::unexpected(buffer.error());
     auto memory = allocator.bind(buffer->get(), VK_NULL_HANDLE, desc.memory, desc.name);
     if (!memory) return tl::unexpected(memory.error());
@@ -105,7 +106,8 @@ Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi:
         .tiling = asked.tiling,
         .usage = usage,
     };
-    auto image = gpu.make<VkImage>(gpu.vk().vkCreateImage, gpu.vk().vkDestroyImage, info, desc.name);
+    auto image = gpu.make<VkImage>(gpu.vk().vkCreateImage, gpu.vk().vkDestroyImage, info, desc.name,
+                                   VK_OBJECT_TYPE_IMAGE);
     if (!image) return tl::unexpected(image.error());
     auto memory = allocator.bind(VK_NULL_HANDLE, image->get(), rhi::Memory::device, desc.name);
     if (!memory) return tl::unexpected(memory.error());
@@ -137,8 +139,8 @@ Result<VkImageView> Texture::view(const Gpu& gpu, const rhi::TextureView& view, 
         .format = to_vk(view.format),
         .subresourceRange = {aspect(), view.first_mip, view.mips, view.first_layer, view.layers},
     };
-    auto made =
-        gpu.make<VkImageView>(gpu.vk().vkCreateImageView, gpu.vk().vkDestroyImageView, info, desc_.name);
+    auto made = gpu.make<VkImageView>(gpu.vk().vkCreateImageView, gpu.vk().vkDestroyImageView, info,
+                                      desc_.name, VK_OBJECT_TYPE_IMAGE_VIEW);
     if (!made) return tl::unexpected(made.error());
     return views_.emplace_back(std::pair(view, use), std::move(*made)).second.get();
 }
