@@ -24,7 +24,7 @@ float pow5(float x) { return x * x * x * x * x; }
 // the digits that a narrow highlight is made of.
 float ggx_distribution(float alpha, float n_h, float sine_squared) {
     float a2 = alpha * alpha;
-    float d = a2 * n_h * n_h + sine_squared;
+    float d = max(a2 * n_h * n_h + sine_squared, a2);  // never below a2, but where h has no direction
     return a2 / (pi * d * d);
 }
 
@@ -42,7 +42,8 @@ vec3 specular_brdf(Surface surface, float n_l, float n_v, float n_h, float sine_
            smith_visibility(surface.roughness, n_l, n_v) * schlick_fresnel(surface.specular, v_h);
 }
 
-// Burley 2012, section 5.3. By itself it reflects up to a few percent more than it receives where roughness is near 1.
+// Burley 2012, section 5.3. The model gains energy where it is rough: with roughness 1 a white surface reflects 1.04
+// of the light of a furnace at n·v = 1, 1.06 at 0.5 and 1.38 at 0.1; with roughness 0.5, 1.01, 1.01 and 1.02.
 vec3 burley_brdf(Surface surface, float n_l, float n_v, float v_h) {
     float grazing = 2 * surface.roughness * v_h * v_h - 0.5;
     return surface.diffuse / pi * (1 + grazing * pow5(1 - n_l)) * (1 + grazing * pow5(1 - n_v));
@@ -52,6 +53,7 @@ vec3 burley_brdf(Surface surface, float n_l, float n_v, float v_h) {
 // maps make possible, is taken as grazing.
 vec3 reflect_direct(Surface surface, vec3 normal, vec3 to_eye, vec3 to_light, bool lambert) {
     float n_l = clamp(dot(normal, to_light), 0, 1);
+    if (n_l == 0) return vec3(0);
     if (lambert) return surface.diffuse / pi * n_l;
     float n_v = clamp(dot(normal, to_eye), 1e-4, 1);
     vec3 sum = to_eye + to_light;
