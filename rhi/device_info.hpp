@@ -56,7 +56,7 @@ struct DeviceDesc {
     bool validation = false;  ///< the API's own checks; an error when they are not installed
     Timing timing = Timing::automatic;
     bool disk_cache = true;  ///< keep compiled pipelines under $XDG_CACHE_HOME/lumo
-    MessageSink sink;        ///< gets driver messages and failed checks; none: failures go to stderr
+    MessageSink sink = {};   ///< gets driver messages and failed checks; none: failures go to stderr
 };
 
 }  // namespace lumo::rhi

@@ -1,0 +1,6 @@
+#include "test_rhi/pull.glsl"
+
+layout(location = 0) in vec4 color;
+layout(location = 0) out vec4 result;
+
+void main() { result = color * push.tint; }

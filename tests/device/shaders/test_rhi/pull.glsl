@@ -1,0 +1,4 @@
+layout(push_constant) uniform Push {
+    vec4 tint;
+    vec2 offset;
+} push;
