@@ -52,10 +52,8 @@ TEST_P(DeviceMemory, LiveBuffersNeverOverlap) {
         }
         idle();
         for (const auto& [buffer, tag] : live) {
-            const std::byte* end = buffer.mapped() + buffer.size();
-            ASSERT_EQ(std::find_if(static_cast<const std::byte*>(buffer.mapped()), end,
-                                   [&](std::byte byte) { return byte != tag; }),
-                      end)
+            const std::span<const std::byte> held(buffer.mapped(), buffer.size());
+            ASSERT_EQ(std::count(held.begin(), held.end(), tag), std::ptrdiff_t(held.size()))
                 << "round " << round;
         }
     }
