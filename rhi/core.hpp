@@ -111,7 +111,7 @@ class DeviceCore {
     Result<void> record(uint64_t id, Body body);
     uint64_t start_pass(uint64_t serial, std::string_view name, std::unique_ptr<OpenPass> pass);
     void add(OpenPass& pass, std::string_view what, std::span<const Use> uses, bool unordered,
-             Command command);
+             const Command& command);
     std::vector<Barrier> enter(OpenPass& pass, Scope scope);
 
     Verdict bind(OpenPass& pass, PipelineHandle pipeline, std::span<const BindingValue> bindings,

@@ -47,7 +47,8 @@ struct MemoryId {
     uint32_t index = 0;  ///< of the resource's handle
     uint32_t mip = 0;
 
-    auto operator<=>(const MemoryId&) const = default;
+    // clang-tidy 14 takes the defaulted comparison for a null pointer.
+    auto operator<=>(const MemoryId&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// How a texture's mip lies in memory while it is used. Buffers stay undefined.

@@ -128,11 +128,11 @@ std::vector<Barrier> DeviceCore::enter(OpenPass& pass, Scope scope) {
 }
 
 void DeviceCore::add(OpenPass& pass, std::string_view what, std::span<const Use> uses, bool unordered,
-                     Command command) {
+                     const Command& command) {
     Scope scope{.label = fmt::format("{}/{}", pass.name, what),
                 .uses = {uses.begin(), uses.end()},
                 .unordered = unordered};
-    pass.steps.push_back({enter(pass, std::move(scope)), std::move(command)});
+    pass.steps.push_back({enter(pass, std::move(scope)), command});
 }
 
 template <class Body>
@@ -180,6 +180,8 @@ Verdict DeviceCore::bind_one(const BindingInfo& info, const BindingValue& value,
     if (info.kind == BindingKind::storage_buffer || info.kind == BindingKind::uniform_buffer) {
         const BufferRecord* buffer = resources_.find(value.slice.buffer);
         if (!buffer) return stale("a buffer");
+        if (buffer->internal && !uploads_.holds(value.slice, open_serial_))
+            return fault(Check::stale_handle, "uniform data of an earlier submission");
         if (auto bad = check_buffer_binding(info, buffer->desc, value.slice, this->info().limits)) return bad;
         const bool uniform = info.kind == BindingKind::uniform_buffer;
         if (!buffer->internal)
@@ -627,7 +629,7 @@ Result<void> DeviceCore::draw(uint64_t id, PipelineHandle pipeline, std::span<co
         merged = merge_uses(merged.uses, Sharing::draws);
         if (merged.conflict) return conflict(merged.conflicting);
         pass.uses = std::move(merged.uses);
-        pass.steps.push_back({{}, std::move(command)});
+        pass.steps.push_back({{}, command});
         return {};
     });
 }

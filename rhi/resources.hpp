@@ -40,8 +40,8 @@ enum class BufferUsage : uint8_t { none = 0, storage = 1, uniform = 2, index = 4
 template <>
 inline constexpr bool is_flags<BufferUsage> = true;
 
-/// Where a buffer lives. `upload` and `readback` are mapped for the host; every buffer can be copied from and
-/// to.
+/// Where a buffer lives. `upload` and `readback` are mapped for the host, which writes before the submission
+/// that reads, and reads after waiting for the one that writes. Every buffer can be copied from and to.
 enum class Memory : uint8_t { device, upload, readback };
 
 struct BufferDesc {

@@ -19,11 +19,6 @@
 // Errors: what the environment causes is a Result. Misuse is a Check sent to the device's message sink, and
 // the command is dropped. Calls on a device, and on what it made, come from one thread at a time; devices
 // share nothing.
-//
-// Left out, and why: vertex attributes (vertices are pulled from storage buffers: one way to feed rasterizer
-// and compute alike); descriptor sets, bindless arrays (software drivers lack run-time indexed samplers);
-// subpasses, secondary command buffers, several queues (the one queue of a software driver is the case that
-// must be fast); stencil, queries other than time, tessellation and mesh stages (nothing uses them).
 #pragma once
 
 #include <memory>
@@ -272,3 +267,8 @@ TextureRegion whole_mip(const TextureDesc& desc, uint32_t mip = 0);
 uint64_t region_bytes(Format format, const TextureRegion& region);
 
 }  // namespace lumo::rhi
+
+// Left out, and why: vertex attributes (vertices are pulled from storage buffers: one way to feed rasterizer
+// and compute alike); descriptor sets, bindless arrays (software drivers lack run-time indexed samplers);
+// subpasses, secondary command buffers, several queues (the one queue of a software driver is the case that
+// must be fast); stencil, queries other than time, tessellation and mesh stages (nothing uses them).

@@ -49,10 +49,17 @@ Result<BufferSlice> UploadRing::put(std::span<const std::byte> bytes, uint64_t a
     current_ = *index;
     Block& block = blocks_[current_];
     const uint64_t offset = align_up(block.used, alignment);
+    if (block.serial != serial) block.first = offset;
     block.used = offset + bytes.size();
     block.serial = serial;
     std::memcpy(resources_.find(block.buffer)->mapped + offset, bytes.data(), bytes.size());
     return BufferSlice{block.buffer, offset, bytes.size()};
+}
+
+bool UploadRing::holds(const BufferSlice& slice, uint64_t serial) const {
+    return std::ranges::any_of(blocks_, [&](const Block& block) {
+        return block.buffer == slice.buffer && block.serial == serial && slice.offset >= block.first;
+    });
 }
 
 Result<Readback> ReadbackPool::open(uint64_t size, uint64_t serial) {

@@ -19,12 +19,15 @@ class UploadRing {
 
     /// A copy of `bytes` that the device may read in submission `serial`. Errors: out_of_memory.
     Result<BufferSlice> put(std::span<const std::byte> bytes, uint64_t alignment, uint64_t serial);
+    /// Whether a slice that was put is of submission `serial`, and not of one before it.
+    bool holds(const BufferSlice& slice, uint64_t serial) const;
 
   private:
     struct Block {
         BufferHandle buffer;
         uint64_t used = 0;
         uint64_t serial = 0;  ///< the last that reads it
+        uint64_t first = 0;   ///< where that one's bytes begin
     };
     Result<size_t> block_for(uint64_t bytes, uint64_t alignment);
 

@@ -241,6 +241,24 @@ TEST_F(Core, TransientUniformsAreAlignedApartAndHoldTheirBytes) {
     EXPECT_EQ(word, 5u);
 }
 
+TEST_F(Core, TransientUniformsEndWithTheirSubmission) {
+    Buffer source = buffer("source");
+    Buffer counter = buffer("counter");
+    auto pipeline = compute<fake::Count>();
+    std::optional<UniformBuffer> kept;
+    for (int frame = 0; frame < 3; ++frame) {
+        Commands commands = device->begin();
+        const UniformBuffer fresh = commands.uniform(std::array<float, 4>{});
+        Pass pass = commands.pass("count");
+        pass.dispatch(pipeline, {source.slice(), counter.slice(), fresh}, {}, {});
+        EXPECT_THAT(messages, IsEmpty());
+        if (kept) pass.dispatch(pipeline, {source.slice(), counter.slice(), *kept}, {}, {});
+        EXPECT_THAT(checks(), SizeIs(kept ? 1 : 0));
+        messages.clear();
+        kept = fresh;
+    }
+}
+
 TEST_F(Core, PushConstantsAreCopiedWhenTheyAreGiven) {
     Buffer mine = buffer("mine");
     auto pipeline = compute<fake::Store>();
