@@ -1,7 +1,6 @@
 #include "scene/scene.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lumo::scene {
 
@@ -51,24 +50,6 @@ Bounds world_bounds(const Scene& scene) {
                                      corner & 4 ? box.max.z : box.min.z, 1));
     }
     return bounds;
-}
-
-Camera default_camera(const Scene& scene) {
-    if (!scene.cameras.empty()) return scene.cameras.front();
-    Camera camera;
-    camera.name = "default";
-    const Bounds bounds = world_bounds(scene);
-    if (bounds.empty()) return camera;
-
-    const glm::vec3 center = 0.5f * (bounds.min + bounds.max);
-    // A point or nothing but one point still gets a picture.
-    const float radius = std::max(0.5f * glm::length(bounds.max - bounds.min), 1e-3f);
-    const float distance = 1.05f * radius / std::sin(0.5f * camera.vertical_fov);
-    camera.target = center;
-    camera.position = center + distance * glm::normalize(glm::vec3(0.35f, 0.3f, 1));
-    camera.near_plane = std::max(0.5f * (distance - radius), 1e-3f * distance);
-    camera.far_plane = 2 * (distance + radius);
-    return camera;
 }
 
 }  // namespace lumo::scene

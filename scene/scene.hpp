@@ -153,7 +153,14 @@ struct Scene {
 /// in instances that are turned, beyond that never too small.
 Bounds world_bounds(const Scene& scene);
 
-/// The camera that is used when none is asked for: the scene's first, or one that sees all of its bounds.
+/// The camera that is used when none is asked for: the scene's first; else, in a scene that closes around its middle
+/// like a room, one that looks along it from within; else one that sees all of its bounds.
 Camera default_camera(const Scene& scene);
+
+/// Whether anything shines: a light of any kind, an emitter on an instance, or the environment.
+bool has_light(const Scene& scene);
+
+/// The sun for a scene without any light: from steeply above, so that it also reaches the floor of a narrow court.
+Light default_sun();
 
 }  // namespace lumo::scene

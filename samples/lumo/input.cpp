@@ -50,6 +50,11 @@ Result<scene::Scene> load_scene(const Options& options) {
         return scene::load_gltf(options.scene, {}, {.photometric = options.photometric});
     }();
     if (scene && options.sun) replace_sun(*scene, *options.sun);
+    if (scene && !options.sun && !has_light(*scene)) {
+        scene->lights.push_back(scene::default_sun());
+        scene->warnings.emplace_back(
+            "it has no light: a sun from above is added (--sun sets another, --sun none keeps it dark)");
+    }
     return scene;
 }
 
