@@ -50,6 +50,14 @@ glm::mat3 uv_transform_of(const tinygltf::Value& extension) {
     return glm::mat3(scale.x * c, scale.x * -s, 0, scale.y * s, scale.y * c, 0, offset.x, offset.y, 1);
 }
 
+// KHR_texture_transform may name another set than the slot itself.
+template <class Info>
+int uv_set_of(const Info& info) {
+    const auto found = info.extensions.find("KHR_texture_transform");
+    return found == info.extensions.end() ? info.texCoord
+                                          : int(number_of(found->second, "texCoord", info.texCoord));
+}
+
 TextureSampler sampler_of(const tinygltf::Sampler& sampler) {
     constexpr int linear_mipmap_nearest = TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_NEAREST;
     TextureSampler result;
@@ -126,8 +134,7 @@ class Loader {
     Result<std::optional<TextureSlot>> slot(const Info& info, const std::string& where);
     Result<std::optional<uint32_t>> texture(int index);
     Result<uint32_t> image(int index);
-    void check_texture_coordinates(const tinygltf::Primitive& primitive, const Material& material,
-                                   const std::string& where);
+    void check_texture_coordinates(const tinygltf::Primitive& primitive, const std::string& where);
 
     void warn(std::string text) { document_.warnings.add(std::move(text)); }
     tl::unexpected<Error> invalid(std::string message) const {
@@ -410,7 +417,7 @@ Result<std::optional<uint32_t>> Loader::mesh(int index) {
         auto added = meshes_.add(primitive, where, normal_map);
         if (!added) return tl::unexpected(added.error());
         if (!*added) continue;
-        check_texture_coordinates(primitive, material, where);
+        check_texture_coordinates(primitive, where);
         (*added)->material = *material_index;
         mesh.primitives.push_back(**added);
     }
@@ -423,17 +430,20 @@ Result<std::optional<uint32_t>> Loader::mesh(int index) {
     return placed;
 }
 
-void Loader::check_texture_coordinates(const tinygltf::Primitive& primitive, const Material& material,
-                                       const std::string& where) {
-    for (const auto* slot :
-         {&material.base_color_texture, &material.metallic_roughness_texture, &material.normal_texture,
-          &material.occlusion_texture, &material.emission_texture}) {
-        if (!*slot) continue;
-        const std::string attribute = fmt::format("TEXCOORD_{}", (*slot)->uv_set);
-        if (!primitive.attributes.contains(attribute))
+void Loader::check_texture_coordinates(const tinygltf::Primitive& primitive, const std::string& where) {
+    if (primitive.material < 0) return;
+    const tinygltf::Material& material = model_.materials[size_t(primitive.material)];
+    const auto check = [&](const auto& info) {
+        const std::string attribute = fmt::format("TEXCOORD_{}", uv_set_of(info));
+        if (info.index >= 0 && !primitive.attributes.contains(attribute))
             warn(fmt::format("{} has no {}, which its material's textures need: zeros are used", where,
                              attribute));
-    }
+    };
+    check(material.pbrMetallicRoughness.baseColorTexture);
+    check(material.pbrMetallicRoughness.metallicRoughnessTexture);
+    check(material.normalTexture);
+    check(material.occlusionTexture);
+    check(material.emissiveTexture);
 }
 
 Result<uint32_t> Loader::material(int index) {
@@ -490,12 +500,10 @@ Result<Material> Loader::make_material(int index) {
 template <class Info>
 Result<std::optional<TextureSlot>> Loader::slot(const Info& info, const std::string& where) {
     if (info.index < 0) return std::nullopt;
-    int uv_set = info.texCoord;
+    const int uv_set = uv_set_of(info);
     TextureSlot slot;
-    if (const auto found = info.extensions.find("KHR_texture_transform"); found != info.extensions.end()) {
+    if (const auto found = info.extensions.find("KHR_texture_transform"); found != info.extensions.end())
         slot.uv_transform = uv_transform_of(found->second);
-        uv_set = int(number_of(found->second, "texCoord", uv_set));
-    }
     if (uv_set > 1) {
         warn(fmt::format("{} reads TEXCOORD_{}, and lumo only 0 and 1: the texture is left out", where,
                          uv_set));
@@ -574,6 +582,7 @@ void Loader::check_undrawn_meshes() {
         for (size_t i = 0; i < mesh.primitives.size(); ++i) {
             const std::string where = fmt::format("{}.primitives[{}]", named("meshes", index, mesh.name), i);
             const auto added = builder.add(mesh.primitives[i], where, std::nullopt);
+            check_texture_coordinates(mesh.primitives[i], where);
             if (added) continue;
             if (added.error().kind == ErrorKind::limit || faults_left-- == 0) return;
             warn(added.error().message + "; no node draws it");

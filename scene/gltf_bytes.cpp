@@ -216,9 +216,6 @@ Result<void> Bytes::check_view(size_t index) const {
                     fmt::format("{} has {} bytes from {}, but buffers[{}] has {}", where, view.byteLength,
                                 view.byteOffset, view.buffer, buffer_size),
                     "export the file again");
-    if (view.byteStride % 4 != 0)
-        document_->warnings.add(
-            fmt::format("{}.byteStride is {}, not a multiple of 4", where, view.byteStride));
     if (view.byteStride > 0 && view.target == TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER)
         document_->warnings.add(where + " holds indices and has a byteStride");
     if (view.byteStride > view.byteLength)

@@ -30,6 +30,7 @@ struct Shape {
     Kind kind = Kind::object;
     double min = -FLT_MAX;
     double max = FLT_MAX;
+    double step = 0;                           // of which a number is a multiple, where not 0
     bool clamp = false;                        // a number outside its range is a warning
     std::string_view into = {};                // an index's array, as a JSON pointer
     std::vector<double> codes = {};            // the integers allowed, where not empty
@@ -109,12 +110,14 @@ Shape document_shape() {
     accessor.needs = {{"byteOffset", "bufferView"}};
     const Shape buffer =
         object({{"name", text()}, {"uri", text()}, {"byteLength", integer(1, largest_size), required}});
+    Shape byte_stride = integer(4, 252);
+    byte_stride.step = 4;
     const Shape buffer_view = object({
         {"name", text()},
         {"buffer", index("/buffers"), required},
         {"byteOffset", integer(0, largest_size)},
         {"byteLength", integer(1, largest_size), required},
-        {"byteStride", integer(4, 252)},
+        {"byteStride", byte_stride},
         {"target", one_of({34962, 34963})},
     });
     Shape image = object(
@@ -292,8 +295,10 @@ class Checker {
             if (extensions && !declared_.contains(name))
                 warnings_.add(path() + " is not declared in extensionsUsed");
             if (member == shape.members.end()) {
-                if (!extensions && name != "extensions") warn_of_unknown(name);
-                if (name == "extensions") warn_of_undeclared(*item);
+                if (name == "extensions")
+                    warn_of_undeclared(*item);
+                else if (!extensions && name != "extras")
+                    warn_of_unknown(name);
                 item = value.erase(item);
             } else {
                 if (auto wrong = check(*item, member->shape)) return wrong;
@@ -339,6 +344,8 @@ class Checker {
         } else if (number < shape.min || number > shape.max) {
             return fmt::format("is {}, not within {} and {}", number, shape.min, shape.max);
         }
+        if (shape.step > 0 && std::fmod(number, shape.step) != 0)
+            return fmt::format("is {}, not a multiple of {}", number, shape.step);
         if (shape.kind == Kind::index) {
             const auto array = sizes_.find(shape.into);
             const size_t size = array == sizes_.end() ? 0 : array->second;

@@ -94,6 +94,26 @@ bool is_glb(const std::filesystem::path& file, std::span<const std::byte> bytes)
     return extension == ".glb" || (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0);
 }
 
+// How many objects and arrays are open at once at most; text that is not JSON gets some number.
+uint32_t json_depth(std::string_view text) {
+    int64_t depth = 0, deepest = 0;
+    bool in_string = false;
+    for (size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_string) {
+            if (c == '\\') ++i;
+            if (c == '"') in_string = false;
+        } else if (c == '"') {
+            in_string = true;
+        } else if (c == '{' || c == '[') {
+            deepest = std::max(deepest, ++depth);
+        } else if (c == '}' || c == ']') {
+            --depth;
+        }
+    }
+    return uint32_t(deepest);
+}
+
 Result<json> parse_json(std::span<const std::byte> bytes, const std::string& file, const Limits& limits,
                         Warnings& warnings) {
     if (bytes.size() > limits.max_json_bytes)
@@ -103,20 +123,12 @@ Result<json> parse_json(std::span<const std::byte> bytes, const std::string& fil
             "keep geometry in binary buffers");
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (text.starts_with("\xef\xbb\xbf")) warnings.add("the JSON begins with a byte order mark");
-    uint32_t deepest = 0;
-    const auto filter = [&](int depth, json::parse_event_t event, json& value) {
-        deepest = std::max(deepest, uint32_t(depth));
-        // Nothing of extras is used, and it is the one place where anything at all may stand.
-        return deepest <= limits.max_json_depth &&
-               !(event == json::parse_event_t::key && value.get_ref<const std::string&>() == "extras");
-    };
+    if (json_depth(text) > limits.max_json_depth)
+        return fail(ErrorKind::limit, file,
+                    fmt::format("nests its JSON deeper than the limit of {}", limits.max_json_depth),
+                    std::string(export_again));
     try {
-        json document = json::parse(text.begin(), text.end(), filter);
-        if (deepest > limits.max_json_depth)
-            return fail(ErrorKind::limit, file,
-                        fmt::format("nests its JSON deeper than the limit of {}", limits.max_json_depth),
-                        std::string(export_again));
-        return document;
+        return json::parse(text.begin(), text.end());
     } catch (const json::exception& exception) {
         std::string_view what = exception.what();
         if (const size_t bracket = what.find("] "); bracket != what.npos) what.remove_prefix(bracket + 2);

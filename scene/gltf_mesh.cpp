@@ -17,6 +17,11 @@ tl::unexpected<Error> invalid(const Document& document, std::string message) {
     return fail(ErrorKind::invalid_file, document.file, std::move(message), "export the file again");
 }
 
+tl::unexpected<Error> located(const std::string& where, Error error) {
+    error.message = where + ": " + error.message;
+    return tl::unexpected<Error>(std::move(error));
+}
+
 bool is_any_of(int value, std::initializer_list<int> values) {
     return std::ranges::find(values, value) != values.end();
 }
@@ -110,6 +115,16 @@ void flatten(std::vector<Vertex>& vertices, std::vector<uint32_t>& indices) {
 
 }  // namespace
 
+MeshBuilder::MeshBuilder(Document& document, const Bytes& bytes, const Limits& limits, Scene& scene)
+    : document_(document),
+      bytes_(bytes),
+      limits_(limits),
+      scene_(scene),
+      view_uses_(document.model.bufferViews.size()) {
+    for (const tinygltf::Accessor& accessor : document.model.accessors)
+        if (accessor.bufferView >= 0) ++view_uses_[size_t(accessor.bufferView)];
+}
+
 Result<void> MeshBuilder::make_room(uint64_t vertices, uint64_t indices, const std::string& where) const {
     if (vertices > limits_.max_vertices ||
         scene_.vertices.size() + unplaced_ > limits_.max_vertices - vertices)
@@ -161,6 +176,15 @@ Result<Attributes> MeshBuilder::attributes_of(const tinygltf::Primitive& primiti
         joints += name.starts_with("JOINTS_");
         weights += name.starts_with("WEIGHTS_");
         if (!is_known_attribute(name)) document_.warnings.add(named + " is not in glTF 2.0 and is ignored");
+        if (accessor.bufferView >= 0) {
+            const tinygltf::BufferView& view = document_.model.bufferViews[size_t(accessor.bufferView)];
+            const size_t stride = size_t(std::max(accessor.ByteStride(view), 0));
+            if ((view.byteOffset + accessor.byteOffset) % 4 != 0 || stride % 4 != 0)
+                document_.warnings.add(named + " is not aligned to 4 bytes");
+            if (view.byteStride == 0 && view_uses_[size_t(accessor.bufferView)] > 1)
+                document_.warnings.add(fmt::format("{} shares bufferViews[{}], which has no byteStride",
+                                                   named, accessor.bufferView));
+        }
         if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
             document_.warnings.add(named + " is of 32-bit integers, which no attribute may be");
         if (accessor.count != count.value_or(accessor.count))
@@ -190,7 +214,7 @@ Result<std::vector<uint32_t>> MeshBuilder::triangles_of(const tinygltf::Primitiv
     std::vector<uint32_t> indices;
     if (primitive.indices >= 0) {
         auto read = read_indices(document_, bytes_, primitive.indices);
-        if (!read) return read;
+        if (!read) return located(where, read.error());
         indices = std::move(*read);
         const int type = accessors[size_t(primitive.indices)].componentType;
         const uint32_t restart = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 0xffu
@@ -326,7 +350,7 @@ Result<std::optional<Primitive>> MeshBuilder::add(const tinygltf::Primitive& pri
     if (auto room = make_room(position.count, triangles->size(), where); !room)
         return tl::unexpected(room.error());
     const auto array = decode(*attributes);
-    if (!array) return tl::unexpected(array.error());
+    if (!array) return located(where, array.error());
 
     const bool needs_tangents = normal_map && !(*array)->has_tangents;
     uint32_t first_vertex = 0;

@@ -28,8 +28,7 @@ struct Attributes {
 class MeshBuilder {
   public:
     /// All outlive the object.
-    MeshBuilder(Document& document, const Bytes& bytes, const Limits& limits, Scene& scene)
-        : document_(document), bytes_(bytes), limits_(limits), scene_(scene) {}
+    MeshBuilder(Document& document, const Bytes& bytes, const Limits& limits, Scene& scene);
 
     /// The primitive's triangles, with a material still to be set; nothing, and a warning, where there are
     /// none. where names it in errors. normal_map says how its normal map is read, if it has one. Errors:
@@ -58,6 +57,7 @@ class MeshBuilder {
     const Bytes& bytes_;
     const Limits& limits_;
     Scene& scene_;
+    std::vector<uint32_t> view_uses_;  // how many accessors are in each buffer view
     std::map<Attributes, VertexArray> arrays_;
     uint64_t unplaced_ = 0;  // vertices in arrays_
 };

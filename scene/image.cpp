@@ -57,13 +57,22 @@ std::optional<Format> detect(std::span<const std::byte> bytes) {
     return std::nullopt;
 }
 
-std::optional<Size> png_size(std::span<const std::byte> bytes) {
-    if (bytes.size() < 24 || big_endian(bytes, 12, 4) != 0x49484452) return std::nullopt;
-    return Size{big_endian(bytes, 16, 4), big_endian(bytes, 20, 4)};
+struct Header {
+    Size size;
+    uint64_t least_bytes = 0;  // what a file of this size must have at least
+};
+
+std::optional<Header> png_header(std::span<const std::byte> bytes) {
+    if (bytes.size() < 26 || big_endian(bytes, 12, 4) != 0x49484452) return std::nullopt;
+    const Size size{big_endian(bytes, 16, 4), big_endian(bytes, 20, 4)};
+    const uint32_t depth = big_endian(bytes, 24, 1), color_type = big_endian(bytes, 25, 1);
+    const uint64_t channels = color_type == 2 ? 3 : color_type == 4 ? 2 : color_type == 6 ? 4 : 1;
+    // Deflate makes 1032 bytes of one at most.
+    return Header{size, size.width * channels * depth / 8 * size.height / 1032};
 }
 
 // Walks the segments up to the frame header (SOF0 to SOF15 but for DHT, JPG and DAC).
-std::optional<Size> jpeg_size(std::span<const std::byte> bytes) {
+std::optional<Header> jpeg_header(std::span<const std::byte> bytes) {
     for (size_t at = 2; at + 4 <= bytes.size();) {
         if (bytes[at] != std::byte(0xff)) return std::nullopt;
         const uint32_t marker = big_endian(bytes, at + 1, 1);
@@ -79,7 +88,9 @@ std::optional<Size> jpeg_size(std::span<const std::byte> bytes) {
             marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
         if (frame) {
             if (at + 9 > bytes.size()) return std::nullopt;
-            return Size{big_endian(bytes, at + 7, 2), big_endian(bytes, at + 5, 2)};
+            const Size size{big_endian(bytes, at + 7, 2), big_endian(bytes, at + 5, 2)};
+            // A block of 8 x 8 pixels takes a bit at least.
+            return Header{size, size.width / 8 * (size.height / 8) / 8};
         }
         if (marker == 0xd9 || marker == 0xda) return std::nullopt;
         at += 2 + std::max(big_endian(bytes, at + 2, 2), 2u);
@@ -115,11 +126,16 @@ Result<Reader> open(std::span<const std::byte> bytes, Format format, const std::
                     const ImageLimits& limits) {
     // Some decoders take memory for the whole picture on opening, so PNG and JPEG are looked at first.
     if (format == Format::png || format == Format::jpeg) {
-        const auto size = format == Format::png ? png_size(bytes) : jpeg_size(bytes);
-        if (!size)
+        const auto header = format == Format::png ? png_header(bytes) : jpeg_header(bytes);
+        if (!header)
             return fail(ErrorKind::invalid_file, name, "has no valid image header", "write the image again");
-        if (auto checked = check_size(*size, 4, name, limits); !checked)
+        if (auto checked = check_size(header->size, 4, name, limits); !checked)
             return tl::unexpected(checked.error());
+        if (bytes.size() < header->least_bytes)
+            return fail(ErrorKind::invalid_file, name,
+                        fmt::format("says {} x {} pixels, but has only {} bytes", header->size.width,
+                                    header->size.height, bytes.size()),
+                        "write the image again");
     }
 
     Reader reader;

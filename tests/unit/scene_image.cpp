@@ -105,6 +105,10 @@ TEST(Image, LimitsAreCheckedOnTheHeader) {
     ASSERT_FALSE(large);
     EXPECT_EQ(large.error().kind, ErrorKind::limit);
 
+    const auto hollow = decode_image8(bytes_of(make_png(16384, 16384, 8, 6, "x")), "hollow");
+    ASSERT_FALSE(hollow);
+    EXPECT_THAT(hollow.error().message, HasSubstr("but has only"));
+
     const auto empty = decode_image8(bytes_of(make_png(0, 4, 8, 0, "")), "empty");
     ASSERT_FALSE(empty);
     EXPECT_EQ(empty.error().kind, ErrorKind::invalid_file);
