@@ -24,12 +24,34 @@ using Json = nlohmann::ordered_json;
 constexpr uint64_t largest_config = uint64_t(1) << 20;  // bytes
 constexpr uint32_t most_frames = 1'000'000;
 
-constexpr std::array<std::pair<std::string_view, Command>, 4> commands{{{"render", Command::render},
-                                                                        {"check", Command::check},
-                                                                        {"diff", Command::diff},
-                                                                        {"devices", Command::devices}}};
+using NamedCommand = std::pair<std::string_view, Command>;
+constexpr std::array<NamedCommand, 4> commands{{{"render", Command::render},
+                                                {"check", Command::check},
+                                                {"diff", Command::diff},
+                                                {"devices", Command::devices}}};
 
 std::string available(auto&& names) { return fmt::format("available: {}", fmt::join(names, ", ")); }
+
+constexpr int name_column = 34, help_columns = 76;
+
+/// Help in lines of at most help_columns.
+std::string wrapped(const std::string& help) {
+    std::string text;
+    size_t line = 0;
+    for (size_t begin = 0; begin < help.size();) {
+        const size_t end = std::min(help.find(' ', begin), help.size());
+        const size_t word = end - begin;
+        if (line > 0 && line + 1 + word > help_columns) {
+            text += '\n';
+            line = 0;
+        }
+        if (line > 0) text += ' ';
+        text += help.substr(begin, word);
+        line += word + 1;
+        begin = end + 1;
+    }
+    return text;
+}
 
 /// An option whose value is text for `parse`, which puts it into its place.
 CLI::Option* add(CLI::App& app, const std::string& name, const std::string& type, const std::string& help,
@@ -38,7 +60,25 @@ CLI::Option* add(CLI::App& app, const std::string& name, const std::string& type
         if (const Result<void> done = parse(text); !done)
             throw CLI::ValidationError(name, scene::printable(to_string(done.error()), 1000));
     };
-    return app.add_option_function<std::string>(name, read, help)->type_name(type);
+    return app.add_option_function<std::string>(name, read, wrapped(help))->option_text(type);
+}
+
+/// The same with a default, which help shows behind the type.
+CLI::Option* add(CLI::App& app, const std::string& name, const std::string& type, const std::string& standard,
+                 const std::string& help, const std::function<Result<void>(const std::string&)>& parse) {
+    CLI::Option* option = add(app, name, type, help, parse)->default_str(standard);
+    if (!standard.empty())
+        option->option_text(fmt::format("{}{}({})", type, type.empty() ? "" : " ", standard));
+    return option;
+}
+
+CLI::Option* add_file(CLI::App& app, const std::string& name, std::filesystem::path& place,
+                      const std::string& help) {
+    return app.add_option(name, place, wrapped(help))->option_text("FILE");
+}
+
+CLI::Option* add_flag(CLI::App& app, const std::string& name, bool& place, const std::string& help) {
+    return app.add_flag(name, place, wrapped(help));
 }
 
 /// How to turn text into a value and where to put it.
@@ -78,13 +118,12 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
     SettingOptions all;
     const auto setting = [&](const std::string& name, const std::string& type, const std::string& standard,
                              const std::string& help, const auto& parse) {
-        CLI::Option* option = add(app, name, type, help, parse);
-        if (!standard.empty()) option->default_str(standard);
+        CLI::Option* option = add(app, name, type, standard, help, parse);
         all.emplace_back(CLI::detail::to_lower(name.starts_with("--") ? name.substr(2) : name), option);
     };
     frame::Settings& frame = options.frame;
 
-    setting("SCENE", "SCENE", options.scene,
+    setting("SCENE", "", options.scene,
             fmt::format("a .gltf or .glb file, or {}", fmt::join(scene::builtin_names(), ", ")),
             [&](const std::string& text) -> Result<void> {
                 options.scene = text;
@@ -92,7 +131,7 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
             });
     setting("--sun", "DX,DY,DZ:R,G,B", "",
             "direction toward the sun and its irradiance on a plane facing it, W/m², or none; replaces the "
-            "scene's directional lights",
+            "scene's directional lights; a scene without any light gets one, if not given",
             [&](const std::string& text) -> Result<void> {
                 return parse_sun(text).map([&](const Sun& sun) { options.sun = sun; });
             });
@@ -101,7 +140,9 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
     setting("--storage", "vt", "vt", "of the voxels: a volume texture", only("vt"));
     setting("--voxels", "N", fmt::to_string(frame.voxels.resolution), "a side: a power of two, 16 to 1024",
             into(frame.voxels.resolution, parse_voxels));
-    setting("--mips", "iso", "iso", "of the voxels: isotropic", only("iso"));
+    setting("--mips", "iso|ani", "ani", "of the voxels: isotropic, or anisotropic in six directions",
+            one_of<voxels::MipKind>(&frame.voxels.mips, {{"iso", voxels::MipKind::isotropic},
+                                                         {"ani", voxels::MipKind::anisotropic}}));
     setting("--range", "ldr", "ldr", "of the voxels' colours: 8 bits", only("ldr"));
     setting("--cones", "N", fmt::to_string(frame.cones.count),
             fmt::format("a pixel, 1 to {}", cones::max_cones), [&](const std::string& text) -> Result<void> {
@@ -129,9 +170,8 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
     setting("--plan", "auto|full", "auto", "full: nothing is left out of the frame",
             one_of<frame::PlanMode>(&frame.plan,
                                     {{"auto", frame::PlanMode::automatic}, {"full", frame::PlanMode::full}}));
-    all.emplace_back("photometric",
-                     app.add_flag("--photometric", options.photometric,
-                                  "the file's lights are lux, candela and nit: divide by 683"));
+    all.emplace_back("photometric", add_flag(app, "--photometric", options.photometric,
+                                             "the file's lights are lux, candela and nit: divide by 683"));
     return all;
 }
 
@@ -140,9 +180,7 @@ SettingOptions add_picture_settings(CLI::App& app, Options& options) {
     SettingOptions all;
     const auto setting = [&](const std::string& name, const std::string& type, const std::string& standard,
                              const std::string& help, const auto& parse) {
-        CLI::Option* option = add(app, name, type, help, parse);
-        if (!standard.empty()) option->default_str(standard);
-        all.emplace_back(name.substr(2), option);
+        all.emplace_back(name.substr(2), add(app, name, type, standard, help, parse));
     };
     frame::Settings& frame = options.frame;
 
@@ -250,55 +288,32 @@ std::string option_names(const CLI::App& app) {
     return available(names);
 }
 
-}  // namespace
-
-tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) {
-    Options options;
-    CLI::App app{"lumo: real-time global illumination on OpenGL and Vulkan", "lumo"};
-    app.require_subcommand(0, 1);
-    bool version = false;
-    app.add_flag("--version", version, "the build, and the drivers");
-    app.footer(
-        "Each subcommand has a --help with examples.\n\n"
-        "Exit codes: 0 all was done; 1 two pictures differ by more than they may; 2 something failed.");
-
-    CLI::App& render = *app.add_subcommand("render", "Renders a scene to a picture, without a window.");
-    CLI::App& check =
-        *app.add_subcommand("check", "Says what a scene holds, and what a frame of it needs and leaves out.");
-    CLI::App& diff = *app.add_subcommand("diff", "Compares two pictures.");
-    CLI::App& devices = *app.add_subcommand("devices", "Lists the devices that each API finds.");
-
-    std::string config;
-    SettingOptions settings = add_scene_settings(render, options);
-    std::ranges::copy(add_picture_settings(render, options), std::back_inserter(settings));
-    add(render, "--shard", "I/N", "this part of the animation alone",
+SettingOptions add_render(CLI::App& app, Options& options, std::filesystem::path& config) {
+    SettingOptions settings = add_scene_settings(app, options);
+    std::ranges::copy(add_picture_settings(app, options), std::back_inserter(settings));
+    add(app, "--shard", "I/N", "this part of the animation alone",
         [&](const std::string& text) -> Result<void> {
             return parse_shard(text).map([&](Shard shard) {
                 options.animation.shard = shard.index;
                 options.animation.shards = shard.count;
             });
         });
-    render
-        .add_option(
-            "-o", options.output,
-            "the picture: .png (display-referred) or .exr (linear radiance, or layers); with --api both "
-            "NAME.gl.EXT, NAME.vulkan.EXT and NAME.diff.EXT (.exr: |gl - vulkan|); else SCENE.png, or "
-            "SCENE.exr for layers")
-        ->type_name("FILE");
-    render.add_option("--config", config, "settings from a JSON file, as --stats writes them")
-        ->type_name("FILE");
-    render
-        .add_option(
-            "--stats", options.stats,
-            "writes device, settings, times, memory and what was left out as JSON; named as the pictures")
-        ->type_name("FILE");
-    render.add_flag("--explain", options.explain, "prints what the frame needs and leaves out, and why");
-    render.add_flag("--quiet", options.quiet, "no progress, nothing but warnings and errors");
-    render
-        .add_flag("--validation", options.validation,
-                  "the validation layers, or a debug context; what they find fails the run")
+    add_file(app, "-o", options.output,
+             "the picture: .png (display-referred) or .exr (linear radiance, or layers); with --api both "
+             "NAME.gl.EXT, NAME.vulkan.EXT and NAME.diff.EXT (in an .exr: |gl - vulkan|); if not given, "
+             "SCENE.png, or SCENE.exr for layers");
+    add_file(app, "--config", config,
+             "settings from a JSON file, as --stats writes them; the command line's own come first");
+    add_file(app, "--stats", options.stats,
+             "writes device, settings, times, memory and what was left out as JSON; with --api both "
+             "NAME.gl.EXT and NAME.vulkan.EXT");
+    add_flag(app, "--explain", options.explain, "prints what the frame needs and leaves out, and why");
+    add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
+    add_flag(app, "--validation", options.validation,
+             "the validation layers, or a debug context; what they find fails the run")
         ->envname("LUMO_VALIDATION");
-    render.footer(
+    app.footer(
+        "Exit code 1 if, with --api both, the pictures differ by more than they may.\n\n"
         "Examples:\n"
         "  lumo render                                     the atrium, to atrium.png\n"
         "  lumo render Sponza.gltf --api both --size 480x270 -o sponza.png\n"
@@ -306,77 +321,102 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
         "  lumo render atrium --sun 0.3,1,0.2:12,11,10 --exposure -1 --tonemap agx -o noon.png\n"
         "  lumo render cornell --stats run.json && lumo render --config run.json -o again.png\n"
         "  lumo render atrium --frames 48 --orbit 360 --shard 2/8 -o turn.png");
+    return settings;
+}
 
-    const SettingOptions check_settings = add_scene_settings(check, options);
-    check.add_flag("--json", options.json, "machine-readable output");
-    check.footer(
+SettingOptions add_check(CLI::App& app, Options& options) {
+    SettingOptions settings = add_scene_settings(app, options);
+    add_flag(app, "--json", options.json, "machine-readable output");
+    app.footer(
         "Examples:\n"
         "  lumo check Sponza.gltf\n"
         "  lumo check cornell --gi off --json");
+    return settings;
+}
 
-    diff.add_option("A", options.first, "the reference: .png, .jpg, .hdr or .exr")
-        ->required()
-        ->type_name("FILE");
-    diff.add_option("B", options.second, "a picture of the same kind")->required()->type_name("FILE");
-    diff.add_option("-o", options.output, "the difference: .png in false colours, .exr as |A - B|")
-        ->type_name("FILE");
-    add(diff, "--rule", "mesa|hardware", "how far two APIs may be apart: software drivers, or hardware",
+void add_diff(CLI::App& app, Options& options) {
+    add_file(app, "A", options.first, "the reference: .png, .jpg, .hdr or .exr")->required();
+    add_file(app, "B", options.second, "a picture of the same kind")->required();
+    add_file(app, "-o", options.output, "the difference: .png in false colours, .exr as |A - B|");
+    add(app, "--rule", "mesa|hardware", "mesa", "how far two APIs may be apart on software drivers, or else",
         one_of<ParityChoice>(&options.parity,
-                             {{"mesa", ParityChoice::mesa}, {"hardware", ParityChoice::hardware}}))
-        ->default_str("mesa");
-    diff.add_flag("--json", options.json, "machine-readable output");
-    diff.footer(
+                             {{"mesa", ParityChoice::mesa}, {"hardware", ParityChoice::hardware}}));
+    add_flag(app, "--json", options.json, "machine-readable output");
+    app.footer(
         "Exit code 1 if the pictures differ by more than the rule allows.\n\n"
         "Examples:\n"
         "  lumo diff atrium.gl.png atrium.vulkan.png -o difference.png\n"
         "  lumo diff before.exr after.exr --rule hardware --json");
+}
 
-    devices.add_flag("--json", options.json, "machine-readable output");
-    devices.footer(
+void add_devices(CLI::App& app, Options& options) {
+    add_flag(app, "--json", options.json, "machine-readable output");
+    app.footer(
         "Examples:\n"
         "  lumo devices\n"
         "  lumo devices --json");
+}
 
-    if (argc > 1 && argv[1][0] != '-' &&
-        std::ranges::none_of(commands, [&](const auto& command) { return command.first == argv[1]; })) {
+}  // namespace
+
+tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) {
+    Options options;
+    CLI::App app{"lumo: real-time global illumination on OpenGL and Vulkan", "lumo"};
+    app.get_formatter()->column_width(name_column);
+    app.require_subcommand(0, 1);
+    bool version = false;
+    add_flag(app, "--version", version, "the build, and the drivers");
+    app.footer(
+        "Each subcommand has a --help with examples.\n\n"
+        "Exit codes: 0 all was done; 1 two pictures differ by more than they may; 2 something failed.");
+
+    std::filesystem::path config;
+    const SettingOptions render_settings = add_render(
+        *app.add_subcommand("render", "Renders a scene to a picture, without a window."), options, config);
+    const SettingOptions check_settings = add_check(
+        *app.add_subcommand("check", "Says what a scene holds, and what a frame of it needs and leaves out."),
+        options);
+    add_diff(*app.add_subcommand("diff", "Compares two pictures."), options);
+    add_devices(*app.add_subcommand("devices", "Lists the devices that each API finds."), options);
+
+    const auto is_command = [](std::string_view name) {
+        return std::ranges::find(commands, name, &NamedCommand::first) != commands.end();
+    };
+    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) {
         std::vector<std::string_view> names;
-        for (const auto& [name, command] : commands) names.push_back(name);
+        for (const NamedCommand& command : commands) names.push_back(command.first);
         return tl::unexpected(refusal("lumo", fmt::format("there is no subcommand '{}' ({})",
                                                           scene::printable(argv[1]), available(names))));
     }
 
-    const CLI::App* chosen = &app;
-    std::string prefix = "lumo";
+    const auto chosen = [&]() -> const CLI::App& {
+        return app.get_subcommands().empty() ? app : *app.get_subcommands().front();
+    };
+    const auto refuse = [&](const std::string& text) {
+        return tl::unexpected(
+            refusal(app.get_subcommands().empty() ? "lumo" : "lumo " + chosen().get_name(), text));
+    };
     try {
         app.parse(argc, argv);
+    } catch (const CLI::ExtrasError& error) {
+        return refuse(fmt::format("{} ({})", scene::printable(error.what(), 1000), option_names(chosen())));
     } catch (const CLI::ParseError& error) {
-        if (!app.get_subcommands().empty()) {
-            chosen = app.get_subcommands().front();
-            prefix += " " + chosen->get_name();
-        }
         if (error.get_exit_code() == int(CLI::ExitCodes::Success))
             return tl::unexpected(Refusal{.exit_code = exit_done, .text = app.help()});
-        std::string text = scene::printable(error.what(), 1000);
-        if (dynamic_cast<const CLI::ExtrasError*>(&error))
-            text += fmt::format(" ({})", option_names(*chosen));
-        return tl::unexpected(refusal(prefix, text));
+        return refuse(scene::printable(error.what(), 1000));
     }
-
-    if (app.get_subcommands().empty()) {
-        if (!version) return tl::unexpected(Refusal{.exit_code = exit_failed, .text = app.help()});
+    if (version) {
         options.command = Command::version;
         return options;
     }
-    chosen = app.get_subcommands().front();
-    options.command = std::ranges::find(commands, chosen->get_name(), [](const auto& c) {
-                          return std::string(c.first);
-                      })->second;
-    const SettingOptions& chosen_settings = options.command == Command::check ? check_settings : settings;
+    if (app.get_subcommands().empty()) return tl::unexpected(Refusal{.text = app.help()});
+
+    options.command = std::ranges::find(commands, chosen().get_name(), &NamedCommand::first)->second;
     if (!config.empty()) {
-        if (const Result<void> done = read_config(config, chosen_settings); !done)
-            return tl::unexpected(refusal("lumo " + chosen->get_name(), to_string(done.error())));
+        if (const Result<void> done = read_config(config, render_settings); !done)
+            return refuse(to_string(done.error()));
     }
-    options.settings = collect(chosen_settings);
+    options.settings = collect(options.command == Command::check ? check_settings : render_settings);
     return options;
 }
 

@@ -1,17 +1,22 @@
 // Irradiance by cones through the voxels (Crassin et al. 2011, Interactive Indirect Illumination Using Voxel Cone
-// Tracing). Include once per program; takes bindings gather_binding to gather_binding + 2.
+// Tracing). Include once per program; takes bindings gather_binding to gather_binding + 4.
 #include "common/constants.glsl"
 #include "common/voxel_grid.glsl"
 
 layout(constant_id = 20) const bool gather_reflected = true;     // the radiance volume's light, not its opacity alone
 layout(constant_id = 21) const bool gather_emission = false;     // the emission volume's light
 layout(constant_id = 22) const bool gather_environment = false;  // a constant radiance outside the grid
+layout(constant_id = 23) const bool anisotropic = false;         // mips in six directions
 
 const int max_cones = 32;
 
-layout(binding = gather_binding) uniform sampler3D voxel_radiance;      // premultiplied; a: opacity
-layout(binding = gather_binding + 1) uniform sampler3D voxel_emission;  // premultiplied
-layout(binding = gather_binding + 2, std140) uniform Gather {
+// Premultiplied; a: opacity. The base has level 0, and isotropic mips; the directions have the anisotropic mips from
+// 1 on, in the layout of voxels/mip_directional.comp.
+layout(binding = gather_binding) uniform sampler3D voxel_radiance;
+layout(binding = gather_binding + 1) uniform sampler3D voxel_radiance_directions;
+layout(binding = gather_binding + 2) uniform sampler3D voxel_emission;
+layout(binding = gather_binding + 3) uniform sampler3D voxel_emission_directions;
+layout(binding = gather_binding + 4, std140) uniform Gather {
     vec3 grid_origin;
     float voxels_per_metre;
     float radiance_unit;     // radiance = stored * radiance_unit, W/m²/sr
@@ -26,6 +31,34 @@ layout(binding = gather_binding + 2, std140) uniform Gather {
 // A step is this part of the cone's diameter: half of it keeps the trilinear filter's footprints overlapping.
 const float step_per_diameter = 0.5;
 
+// Which of the six directions a ray sees, and how much of each: the axes' parts of a unit vector, squared, add to 1.
+struct Facing {
+    ivec3 slots;
+    vec3 weights;
+};
+
+Facing facing_of(vec3 direction) {
+    return Facing(ivec3(0, 2, 4) + ivec3(lessThan(direction, vec3(0))), direction * direction);
+}
+
+vec4 sample_directions(sampler3D directions, vec3 uvw, Facing facing, float lod) {
+    // Half a texel of the coarser level that is filtered keeps neighbours in the atlas apart.
+    float margin = 0.5 * exp2(ceil(lod)) / (0.5 * gather.resolution);
+    float x = margin < 0.5 ? clamp(uvw.x, margin, 1.0 - margin) : 0.5;
+    vec4 sum = vec4(0);
+    for (int axis = 0; axis < 3; ++axis) {
+        vec3 place = vec3((float(facing.slots[axis]) + x) / 6.0, uvw.yz);
+        sum += facing.weights[axis] * textureLod(directions, place, lod);
+    }
+    return sum;
+}
+
+vec4 sample_volume(sampler3D base, sampler3D directions, vec3 uvw, Facing facing, float lod) {
+    if (!anisotropic) return textureLod(base, uvw, lod);
+    vec4 coarse = sample_directions(directions, uvw, facing, max(lod - 1.0, 0.0));
+    return lod < 1.0 ? mix(textureLod(base, uvw, 0.0), coarse, lod) : coarse;
+}
+
 // A cone ends when less than this part of the light behind gets through.
 const float min_transmittance = 0.01;
 
@@ -33,6 +66,7 @@ const float min_transmittance = 0.01;
 vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start) {
     vec3 radiance = vec3(0);
     float transmittance = 1.0;
+    Facing facing = facing_of(direction);
     float distance = start;
     vec3 position = origin + direction * distance;
     // One exit: Mesa's GLSL compiler goes wrong on a loop that leaves its function from the middle.
@@ -41,10 +75,13 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
         float diameter = max(2.0 * tan_half_aperture * distance, 1.0);
         float lod = log2(diameter);
         vec3 uvw = position / gather.resolution;
-        vec4 stored = textureLod(voxel_radiance, uvw, lod);
+        vec4 stored = sample_volume(voxel_radiance, voxel_radiance_directions, uvw, facing, lod);
         if (stored.a > 0.0) {
             vec3 leaving = gather_reflected ? stored.rgb * gather.radiance_unit : vec3(0);
-            if (gather_emission) leaving += textureLod(voxel_emission, uvw, lod).rgb * gather.emission_unit;
+            if (gather_emission) {
+                leaving += sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod).rgb *
+                           gather.emission_unit;
+            }
             // Opacity and colour are per diameter of path; a step is part of one.
             float opacity = 1.0 - pow(max(1.0 - stored.a, 0.0), step_per_diameter);
             radiance += transmittance * leaving * (opacity / stored.a);

@@ -17,5 +17,5 @@ void main() {
     out_uv = vec4(vertex.uv0, vertex.uv1);
     out_color = vertex.color;
     out_handedness = handedness;
-    gl_Position = transform(camera.clip_from_world, vec4(world_from_object(instance, vertex.position), 1));
+    gl_Position = clip_from_world(world_from_object(instance, vertex.position));
 }

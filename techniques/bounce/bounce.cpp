@@ -14,10 +14,10 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
     made.distribution_ = cones::distribute(settings.cones);
     const uint32_t count = gathers(settings, needs);
     for (uint32_t i = 0; i < std::min(count, 2u); ++i) {
-        auto texture = device.create_texture(voxels::radiance_desc(
-            i == 0 ? "bounce.radiance" : "bounce.radiance_next", volume.resolution, needs.wide_range));
-        if (!texture) return tl::unexpected(texture.error());
-        made.radiance_[i] = std::move(*texture);
+        auto light = voxels::LightVolume::create(device, i == 0 ? "bounce.radiance" : "bounce.radiance_next",
+                                                 volume.resolution, volume.mips, needs.wide_range);
+        if (!light) return tl::unexpected(light.error());
+        made.radiance_[i] = std::move(*light);
     }
     auto sampler = device.create_sampler({.mip = rhi::FilterMode::linear});
     if (!sampler) return tl::unexpected(sampler.error());
@@ -29,7 +29,8 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
         auto first = device.create_compute_pipeline<shaders::bounce::bounce>(
             {.gather_reflected = false,
              .gather_emission = needs.emission,
-             .gather_environment = needs.environment});
+             .gather_environment = needs.environment,
+             .anisotropic = volume.mips == voxels::MipKind::anisotropic});
         if (!first) return tl::unexpected(first.error());
         made.first_ = std::move(*first);
     }
@@ -37,7 +38,8 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
         auto next = device.create_compute_pipeline<shaders::bounce::bounce>(
             {.gather_reflected = true,
              .gather_emission = needs.emission,
-             .gather_environment = needs.environment});
+             .gather_environment = needs.environment,
+             .anisotropic = volume.mips == voxels::MipKind::anisotropic});
         if (!next) return tl::unexpected(next.error());
         made.next_ = std::move(*next);
     }
@@ -48,25 +50,27 @@ voxels::View Bounce::record(rhi::Commands& commands, const voxels::Volume& volum
     voxels::View light = volume.view();
     const uint32_t count = gathers(settings_, needs_);
     for (uint32_t i = 0; i < count; ++i) {
-        const rhi::Texture& target = radiance_[i % 2];
-        const rhi::UniformBuffer gather =
-            commands.uniform(cones::gather_block(distribution_, light, environment));
+        const voxels::LightVolume& target = radiance_[i % 2];
+        const cones::Gather gather =
+            cones::make_gather(commands, distribution_, light, volume_sampler_, environment);
         rhi::Pass pass = commands.pass("bounce");
         pass.dispatch(i == 0 && needs_.any_light() ? first_ : next_,
                       {.albedo = volume.albedo().mip<Dimension::d3>(0),
                        .area = volume.area().mip<Dimension::d3>(0),
                        .normal = volume.normal().mip<Dimension::d3>(0),
                        .lit_texels = volume.lit_texels().mip<Dimension::d3>(0),
-                       .radiance = target.mip<Dimension::d3>(0),
-                       .voxel_radiance = {light.radiance, volume_sampler_},
-                       .voxel_emission = {light.emission, volume_sampler_},
-                       .gather = gather},
+                       .radiance = target.base.mip<Dimension::d3>(0),
+                       .voxel_radiance = gather.radiance,
+                       .voxel_radiance_directions = gather.radiance_directions,
+                       .voxel_emission = gather.emission,
+                       .voxel_emission_directions = gather.emission_directions,
+                       .gather = gather.block},
                       {.irradiance = volume.injected().irradiance,
                        .texel_voxel_faces = volume.injected().texel_voxel_faces,
                        .radiance_scale = volume.injected().radiance_scale},
                       voxels::voxel_groups(volume.settings().resolution));
         volume.mips().record(pass, target);
-        light.radiance = target.view<Dimension::d3>();
+        light.radiance = voxels::view_of(target);
     }
     return light;
 }

@@ -47,7 +47,8 @@ class Bounce {
     Settings settings_;
     Needs needs_;
     cones::Distribution distribution_;
-    std::array<rhi::Texture, 2> radiance_;  ///< written in turn; the second only for two gathers or more
+    std::array<voxels::LightVolume, 2>
+        radiance_;  ///< written in turn; the second only for two gathers or more
     rhi::Sampler volume_sampler_;
     rhi::ComputePipeline<shaders::bounce::bounce> first_;  ///< leaves reflected light out
     rhi::ComputePipeline<shaders::bounce::bounce> next_;

@@ -28,7 +28,9 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
         .and_then([&](rhi::Sampler sampler) {
             made.point_sampler_ = std::move(sampler);
             return device.create_compute_pipeline<shaders::cones::irradiance>(
-                {.gather_emission = needs.emission, .gather_environment = needs.environment});
+                {.gather_emission = needs.emission,
+                 .gather_environment = needs.environment,
+                 .anisotropic = needs.anisotropic});
         })
         .map([&](rhi::ComputePipeline<shaders::cones::irradiance> pipeline) {
             made.pipeline_ = std::move(pipeline);
@@ -38,16 +40,18 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
 
 rhi::View<Dimension::d2> Irradiance::record(rhi::Commands& commands, const gbuffer::View& gbuffer,
                                             const voxels::View& volume, glm::vec3 environment) {
-    const rhi::UniformBuffer gather = commands.uniform(gather_block(distribution_, volume, environment));
+    const Gather gather = make_gather(commands, distribution_, volume, volume_sampler_, environment);
     rhi::Pass pass = commands.pass("cones.irradiance");
     pass.dispatch(pipeline_,
                   {.depth = {gbuffer.depth, point_sampler_},
                    .normal_roughness = {gbuffer.normal_roughness, point_sampler_},
                    .geometric_normal_occlusion = {gbuffer.geometric_normal_occlusion, point_sampler_},
                    .camera = gbuffer.camera,
-                   .voxel_radiance = {volume.radiance, volume_sampler_},
-                   .voxel_emission = {volume.emission, volume_sampler_},
-                   .gather = gather,
+                   .voxel_radiance = gather.radiance,
+                   .voxel_radiance_directions = gather.radiance_directions,
+                   .voxel_emission = gather.emission,
+                   .voxel_emission_directions = gather.emission_directions,
+                   .gather = gather.block,
                    .irradiance = irradiance_.view<Dimension::d2>()},
                   {}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
     return irradiance_.view<Dimension::d2>();

@@ -5,7 +5,7 @@
 
 #include "rhi/rhi.hpp"
 #include "shaders/cones/irradiance.hpp"
-#include "techniques/cones/distribution.hpp"
+#include "techniques/cones/gather.hpp"
 #include "techniques/gbuffer/gbuffer.hpp"
 #include "techniques/voxels/voxels.hpp"
 
@@ -13,12 +13,6 @@ namespace lumo::cones {
 
 struct Settings {
     int count = 9;  ///< 1 to max_cones
-};
-
-/// What the scene needs of the cones.
-struct Needs {
-    bool emission = false;     ///< the volume has emission
-    bool environment = false;  ///< light comes from outside the grid
 };
 
 class Irradiance {

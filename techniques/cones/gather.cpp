@@ -3,6 +3,7 @@
 #include <cmath>
 
 namespace lumo::cones {
+namespace {
 
 GatherBlock gather_block(const Distribution& distribution, const voxels::View& volume,
                          glm::vec3 environment) {
@@ -19,6 +20,17 @@ GatherBlock gather_block(const Distribution& distribution, const voxels::View& v
         block.cones[i] = glm::vec4(distribution.cones[i].direction, distribution.cones[i].weight);
     }
     return block;
+}
+
+}  // namespace
+
+Gather make_gather(rhi::Commands& commands, const Distribution& distribution, const voxels::View& volume,
+                   rhi::SamplerHandle volume_sampler, glm::vec3 environment) {
+    return {.radiance = {volume.radiance.base, volume_sampler},
+            .radiance_directions = {volume.radiance.directions, volume_sampler},
+            .emission = {volume.emission.base, volume_sampler},
+            .emission_directions = {volume.emission.directions, volume_sampler},
+            .block = commands.uniform(gather_block(distribution, volume, environment))};
 }
 
 }  // namespace lumo::cones

@@ -12,7 +12,25 @@ namespace lumo::cones {
 /// The uniform block of every program that gathers.
 using GatherBlock = shaders::cones::irradiance::Gather;
 
-/// `environment` is the radiance from outside the grid, W/m²/sr.
-GatherBlock gather_block(const Distribution& distribution, const voxels::View& volume, glm::vec3 environment);
+/// What the scene needs of a gather: the options of shaders/cones/gather.glsl.
+struct Needs {
+    bool emission = false;     ///< the volume has emission
+    bool environment = false;  ///< light comes from outside the grid
+    bool anisotropic = true;   ///< the volume's mips are
+};
+
+/// The bindings of shaders/cones/gather.glsl.
+struct Gather {
+    rhi::Sampled<rhi::Dimension::d3> radiance;
+    rhi::Sampled<rhi::Dimension::d3> radiance_directions;
+    rhi::Sampled<rhi::Dimension::d3> emission;
+    rhi::Sampled<rhi::Dimension::d3> emission_directions;
+    rhi::UniformBuffer block;  ///< a GatherBlock
+};
+
+/// For programs of this submission. `volume_sampler` filters linearly, mips too; `environment` is the radiance from
+/// outside the grid, W/m²/sr.
+Gather make_gather(rhi::Commands& commands, const Distribution& distribution, const voxels::View& volume,
+                   rhi::SamplerHandle volume_sampler, glm::vec3 environment);
 
 }  // namespace lumo::cones

@@ -34,6 +34,9 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
     }
     const bool emission = frame.emission_ = plan.needs("voxels.emission");
     const bool environment = plan.needs("cones.environment");
+    const cones::Needs gather_needs{.emission = emission,
+                                    .environment = environment,
+                                    .anisotropic = settings.voxels.mips == voxels::MipKind::anisotropic};
     if (made && plan.needs("voxels")) {
         made = keep(voxels::Volume::create(device, settings.voxels,
                                            {.emission = emission,
@@ -52,10 +55,8 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
                     frame.bounce_);
     }
     if (made && plan.needs("cones")) {
-        made =
-            keep(cones::Irradiance::create(device, settings.cones,
-                                           {.emission = emission, .environment = environment}, settings.size),
-                 frame.irradiance_);
+        made = keep(cones::Irradiance::create(device, settings.cones, gather_needs, settings.size),
+                    frame.irradiance_);
     }
     if (made) {
         lighting::Needs needs = lighting::blend_needs_of(geometry);
@@ -63,10 +64,9 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
         needs.indirect = plan.needs("cones");
         needs.emission = gbuffer_needs.emission;
         needs.layers = settings.wants(Layer::direct) || settings.wants(Layer::indirect);
-        needs.blend = plan.needs("blend");
+        needs.blend = frame.blend_ = plan.needs("blend");
         needs.diffuse_materials = settings.diffuse_materials;
-        needs.gather_emission = emission;
-        needs.gather_environment = environment;
+        needs.gather = gather_needs;
         made = keep(lighting::Lighting::create(device, settings.size, needs), frame.lighting_);
     }
     if (made && plan.needs("post")) {
@@ -105,12 +105,10 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
         irradiance = irradiance_->record(commands, gbuffer, *volume, inputs.environment_radiance);
     }
 
-    std::optional<lighting::Gather> gather;
-    if (volume) {
-        gather = {.radiance = {volume->radiance, irradiance_->volume_sampler()},
-                  .emission = {volume->emission, irradiance_->volume_sampler()},
-                  .block = commands.uniform(cones::gather_block(irradiance_->distribution(), *volume,
-                                                                inputs.environment_radiance))};
+    std::optional<cones::Gather> gather;
+    if (volume && blend_) {
+        gather = cones::make_gather(commands, irradiance_->distribution(), *volume,
+                                    irradiance_->volume_sampler(), inputs.environment_radiance);
     }
     const lighting::View lit = lighting_->record(commands, {.gbuffer = gbuffer,
                                                             .sun = sun,

@@ -45,6 +45,7 @@ class Frame {
     Settings settings_;
     SceneFacts facts_;
     bool emission_ = false;  ///< the volume has it
+    bool blend_ = false;     ///< surfaces are blended
     std::optional<gbuffer::GBuffer> gbuffer_;
     std::optional<shadow::Shadow> shadow_;
     std::optional<voxels::Volume> volume_;

@@ -101,8 +101,8 @@ void Layers::record(rhi::Commands& commands, const LayerSources& sources) {
                     break;
                 }
                 pass.dispatch(voxels_,
-                              {.radiance = {sources.volume->radiance, point_sampler_},
-                               .emission = {sources.volume->emission, point_sampler_},
+                              {.radiance = {sources.volume->radiance.base, point_sampler_},
+                               .emission = {sources.volume->emission.base, point_sampler_},
                                .camera = sources.gbuffer.camera,
                                .layer = texture.view<Dimension::d2>()},
                               {.grid_origin = sources.volume->grid.origin,

@@ -41,10 +41,10 @@ struct Settings {
     uint32_t bounces = 1;
     std::vector<Layer> layers{Layer::final};
     PlanMode plan = PlanMode::automatic;
-    voxels::Settings voxels;
-    cones::Settings cones;
-    shadow::Settings shadow;
-    post::Settings post;
+    voxels::Settings voxels = {};
+    cones::Settings cones = {};
+    shadow::Settings shadow = {};
+    post::Settings post = {};
 
     bool wants(Layer layer) const;
 };

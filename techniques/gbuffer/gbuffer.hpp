@@ -1,11 +1,13 @@
 // The G-buffer: what each pixel's nearest opaque or alpha-tested surface is, for the shading that follows.
 //
 // Targets, all of the frame's size:
-//   base_color_metallic        rgba8_srgb     linear base colour; a: metallic
-//   normal_roughness           rgba16_float   world shading normal, unit length; a: perceptual roughness
-//   geometric_normal_occlusion rgba16_float   interpolated vertex normal toward the viewer; a: occlusion, 1
-//   is open emission                   rgba16_float   radiance, W/m²/sr; the colour of unlit surfaces depth
-//   d32_float      0 at the near plane, 1 where nothing was drawn
+//  - base_color_metallic, rgba8_srgb: linear base colour; a: metallic
+//  - normal_roughness, rgba16_float: world shading normal, unit length; a: perceptual roughness
+//  - geometric_normal_occlusion, rgba16_float: interpolated vertex normal toward the viewer; a: occlusion, 1 is
+//    open
+//  - emission, rgba16_float: radiance, W/m²/sr; the colour of unlit surfaces
+//  - depth, d32_float: 0 at the near plane, 1 where nothing was drawn; a position at distance z is known within
+//    about z² 2^-22 / near plane
 // Both normals are 0 where there is nothing to light: in the background and on unlit surfaces.
 #pragma once
 

@@ -82,8 +82,9 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
             return made.make_blend_pipelines(device, made.blended_indirect_,
                                              {.sun = needs.sun,
                                               .diffuse_materials = needs.diffuse_materials,
-                                              .gather_emission = needs.gather_emission,
-                                              .gather_environment = needs.gather_environment});
+                                              .gather_emission = needs.gather.emission,
+                                              .gather_environment = needs.gather.environment,
+                                              .anisotropic = needs.gather.anisotropic});
         });
     } else if (needs.blend) {
         done = done.and_then([&] {
@@ -127,7 +128,9 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
                                             shadow_map,
                                             light,
                                             inputs.gather->radiance,
+                                            inputs.gather->radiance_directions,
                                             inputs.gather->emission,
+                                            inputs.gather->emission_directions,
                                             inputs.gather->block};
             else
                 return typename P::Bindings{geometry.vertices,

@@ -11,6 +11,7 @@
 #include "shaders/lighting/blended_indirect.hpp"
 #include "shaders/lighting/shade.hpp"
 #include "shaders/lighting/shade_layers.hpp"
+#include "techniques/cones/gather.hpp"
 #include "techniques/gbuffer/gbuffer.hpp"
 #include "techniques/shadow/shadow.hpp"
 
@@ -26,8 +27,7 @@ struct Needs {
     bool blend_double_sided = false;  ///< … and seen from both sides
     bool blend_mirrored = false;      ///< … and in an instance that turns the winding
     bool diffuse_materials = false;   ///< every surface is Lambertian with its base colour
-    bool gather_emission = false;     ///< as cones::Needs, for blended surfaces under indirect light
-    bool gather_environment = false;
+    cones::Needs gather = {};         ///< for blended surfaces under indirect light
 };
 
 /// The needs of a scene's blended draws.
@@ -38,20 +38,13 @@ struct Sunlight {
     glm::vec3 irradiance{0};  ///< on a plane facing the sun, W/m²
 };
 
-/// What shaders/cones/gather.glsl reads, for blended surfaces.
-struct Gather {
-    rhi::Sampled<rhi::Dimension::d3> radiance;
-    rhi::Sampled<rhi::Dimension::d3> emission;
-    rhi::UniformBuffer block;
-};
-
 struct Inputs {
     gbuffer::View gbuffer;
     std::optional<Sunlight> sun = {};  ///< if Needs::sun
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance =
-        {};                             ///< if Needs::indirect; W/m², of G-buffer pixels
-    std::optional<Gather> gather = {};  ///< if Needs::indirect and Needs::blend
-    glm::vec3 environment{0};           ///< radiance seen where nothing was drawn, W/m²/sr
+        {};                                    ///< if Needs::indirect; W/m², of G-buffer pixels
+    std::optional<cones::Gather> gather = {};  ///< if Needs::indirect and Needs::blend
+    glm::vec3 environment{0};                  ///< radiance seen where nothing was drawn, W/m²/sr
     /// For the blended surfaces, if Needs::blend.
     std::optional<scene::GeometryView> geometry = {};
     glm::vec4 eye{0, 0, 0, 1};  ///< CameraBlock::eye, to sort them by

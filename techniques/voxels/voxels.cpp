@@ -26,13 +26,6 @@ float highest(glm::vec3 v) { return std::max({v.x, v.y, v.z}); }
 
 }  // namespace
 
-rhi::TextureDesc radiance_desc(std::string name, uint32_t resolution, bool wide_range) {
-    rhi::TextureDesc desc =
-        volume_desc(std::move(name), wide_range ? Format::rgba16_float : Format::rgba8_unorm, resolution);
-    desc.mips = rhi::full_mips(desc.extent);
-    return desc;
-}
-
 rhi::Groups voxel_groups(uint32_t resolution) {
     return {rhi::groups_for(resolution, 8), rhi::groups_for(resolution, 4), rhi::groups_for(resolution, 4)};
 }
@@ -53,7 +46,7 @@ Result<Volume> Volume::create(rhi::Device& device, const Settings& settings, con
     volume.needs_ = needs;
     return volume.create_textures(device)
         .and_then([&] { return volume.create_pipelines(device); })
-        .and_then([&] { return Mips::create(device); })
+        .and_then([&] { return Mips::create(device, settings.mips); })
         .map([&](Mips mips) {
             volume.mips_ = std::move(mips);
             return std::move(volume);
@@ -86,8 +79,6 @@ Result<void> Volume::create_textures(rhi::Device& device) {
         {&normal_, volume_desc("voxels.normal", Format::rgba8_unorm, needs_.normals ? resolution : 1), true},
         {&lit_texels_, volume_desc("voxels.lit_texels", Format::r32_uint, needs_.sunlight ? resolution : 1),
          true},
-        {&radiance_, radiance_desc("voxels.radiance", resolution, needs_.wide_range), true},
-        {&emission_, radiance_desc("voxels.emission", resolution, needs_.wide_range), needs_.emission},
     };
     for (const Wanted& w : wanted) {
         if (!w.needed) continue;
@@ -95,7 +86,13 @@ Result<void> Volume::create_textures(rhi::Device& device) {
         if (!made) return tl::unexpected(made.error());
         *w.texture = std::move(*made);
     }
-    return {};
+    const auto light = [&](const char* name, LightVolume& volume) {
+        return LightVolume::create(device, name, resolution, settings_.mips, needs_.wide_range)
+            .map([&](LightVolume made) { volume = std::move(made); });
+    };
+    Result<void> made = light("voxels.radiance", radiance_);
+    if (made && needs_.emission) made = light("voxels.emission", emission_);
+    return made;
 }
 
 Result<void> Volume::create_pipelines(rhi::Device& device) {
@@ -179,7 +176,7 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
                   {.sums = sums_.mip<Dimension::d3>(0),
                    .albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
-                   .emission = emission_.mip<Dimension::d3>(0)},
+                   .emission = emission_.base.mip<Dimension::d3>(0)},
                   {}, voxel_groups(settings_.resolution));
     mips_.record(pass, emission_);
 }
@@ -212,15 +209,16 @@ void Volume::inject(rhi::Commands& commands, const SunLight* sun) {
                   {.albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
                    .lit_texels = lit_texels_.mip<Dimension::d3>(0),
-                   .radiance = radiance_.mip<Dimension::d3>(0)},
+                   .radiance = radiance_.base.mip<Dimension::d3>(0)},
                   injected_, voxel_groups(settings_.resolution));
     mips_.record(pass, radiance_);
 }
 
 View Volume::view() const {
     return {.grid = grid_,
-            .radiance = radiance_.view<Dimension::d3>(),
-            .emission = (needs_.emission ? emission_ : radiance_).view<Dimension::d3>(),
+            .mips = settings_.mips,
+            .radiance = view_of(radiance_),
+            .emission = view_of(needs_.emission ? emission_ : radiance_),
             .radiance_unit = 1 / injected_.radiance_scale,
             .emission_unit = emission_unit_};
 }

@@ -17,12 +17,13 @@
 #include "shaders/voxels/resolve.hpp"
 #include "shaders/voxels/resolve_emission.hpp"
 #include "shaders/voxels/voxelize.hpp"
-#include "techniques/voxels/mips.hpp"
+#include "techniques/voxels/light_volume.hpp"
 
 namespace lumo::voxels {
 
 struct Settings {
     uint32_t resolution = 128;  ///< voxels a side, a power of two, 16 to 1024
+    MipKind mips = MipKind::anisotropic;
 };
 
 /// What the scene needs of the volume; nothing else is made.
@@ -59,8 +60,9 @@ struct SunLight {
 /// What cones read. Volumes hold values times opacity; times their unit they are W/m²/sr.
 struct View {
     Grid grid;
-    rhi::View<rhi::Dimension::d3> radiance;  ///< a: opacity; all mips
-    rhi::View<rhi::Dimension::d3> emission;  ///< all mips; the radiance volume again where nothing emits
+    MipKind mips = MipKind::anisotropic;
+    LightVolumeView radiance;  ///< a: opacity
+    LightVolumeView emission;  ///< the radiance again where nothing emits
     float radiance_unit = 1;
     float emission_unit = 1;
 };
@@ -85,8 +87,8 @@ class Volume {
     const rhi::Texture& area() const { return area_; }      ///< r8_unorm, encode_area of voxel_grid.glsl
     const rhi::Texture& normal() const { return normal_; }  ///< rgba8_unorm, mean normal * 0.5 + 0.5
     const rhi::Texture& lit_texels() const { return lit_texels_; }  ///< r32_uint
-    const rhi::Texture& radiance() const { return radiance_; }
-    const rhi::Texture& emission() const { return emission_; }
+    const LightVolume& radiance() const { return radiance_; }
+    const LightVolume& emission() const { return emission_; }  ///< empty where nothing emits
     const Mips& mips() const { return mips_; }
 
   private:
@@ -105,8 +107,8 @@ class Volume {
     rhi::Texture area_;
     rhi::Texture normal_;
     rhi::Texture lit_texels_;
-    rhi::Texture radiance_;
-    rhi::Texture emission_;
+    LightVolume radiance_;
+    LightVolume emission_;
 
     /// By alpha test, then by what is summed: colour or emission.
     rhi::RasterPipeline<shaders::voxels::voxelize> voxelize_[2][2];
@@ -116,9 +118,6 @@ class Volume {
     rhi::ComputePipeline<shaders::voxels::inject> inject_;
     Mips mips_;
 };
-
-/// The volume that light is stored in: cubic, with all mips.
-rhi::TextureDesc radiance_desc(std::string name, uint32_t resolution, bool wide_range);
 
 /// Groups of the programs that run once per voxel.
 rhi::Groups voxel_groups(uint32_t resolution);
