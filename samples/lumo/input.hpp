@@ -10,7 +10,8 @@
 
 namespace lumo::program {
 
-/// The scene that the options name, under the sun that they ask for. Errors: those of load_gltf and
+/// The scene that the options name, under the sun that they ask for; a scene that nothing lights
+/// gets one, and a warning. Errors: those of load_gltf and
 /// make_builtin.
 Result<scene::Scene> load_scene(const Options& options);
 
