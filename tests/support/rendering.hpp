@@ -82,7 +82,7 @@ inline void add_quad(scene::Scene& scene, glm::vec3 center, glm::vec3 right, glm
         const float x = corner & 1 ? 1.0f : -1.0f;
         const float y = corner & 2 ? 1.0f : -1.0f;
         scene.vertices.push_back({.position = center + x * right + y * up,
-                                  .normal = glm::normalize(glm::cross(right, up)),
+                                  .normal = glm::cross(glm::normalize(right), glm::normalize(up)),
                                   .tangent = glm::vec4(glm::normalize(right), 1),
                                   .uv0 = {0.5f + 0.5f * x, 0.5f - 0.5f * y},
                                   .uv1 = {0.5f + 0.5f * x, 0.5f - 0.5f * y}});
