@@ -29,9 +29,10 @@ struct FormatTest : DeviceTest {
     std::vector<Color> sample(const Texture& from, uint32_t mip) {
         const Extent whole = mip_extent(from.desc().extent, mip);
         std::vector<glm::vec4> points;
-        for (uint32_t i = 0; i < whole.width * whole.height; ++i)
-            points.emplace_back((float(i % whole.width) + 0.5f) / float(whole.width),
-                                (float(i / whole.width) + 0.5f) / float(whole.height), 0, 0);
+        for (uint32_t y = 0; y < whole.height; ++y)
+            for (uint32_t x = 0; x < whole.width; ++x)
+                points.emplace_back((float(x) + 0.5f) / float(whole.width),
+                                    (float(y) + 0.5f) / float(whole.height), 0, 0);
         std::vector<Color> colors;
         const auto keep = [&](const auto& texels) {
             for (const auto& t : texels)
@@ -129,7 +130,7 @@ struct Bits {
     std::array<uint8_t, 16> bytes{};
     uint32_t at = 0;
 
-    void put(uint32_t value, uint32_t count) {
+    void put(uint64_t value, uint32_t count) {
         for (uint32_t i = 0; i < count; ++i, ++at) bytes[at / 8] |= uint8_t((value >> i & 1) << at % 8);
     }
     std::vector<std::byte> repeat(size_t blocks, size_t size) const {

@@ -369,10 +369,15 @@ TEST_P(RasterTest, AGeometryShaderFillsLayers) {
     region.first_layer = 2;
     region.layers = 3;
     const auto read = values_of<glm::vec4>(must(device().download(layers, region)));
-    for (size_t i = 0; i < read.size(); ++i)
-        EXPECT_EQ(read[i], glm::vec4(float(i / 8) + 1, float(i % 4) + 0.5f, 0, 1)) << i;
+    for (size_t i = 0; i < read.size(); ++i) {
+        const size_t layer = i / 8, x = i % 4;
+        EXPECT_EQ(read[i], glm::vec4(float(layer) + 1, float(x) + 0.5f, 0, 1)) << i;
+    }
     const auto face = texels<glm::vec4>(faces);
-    for (size_t i = 0; i < face.size(); ++i) EXPECT_EQ(face[i].r, float(i / 16) + 1);
+    for (size_t i = 0; i < face.size(); ++i) {
+        const size_t layer = i / 16;
+        EXPECT_EQ(face[i].r, float(layer) + 1);
+    }
 }
 
 TEST_P(RasterTest, WithoutTargetsTheExtentIsTheRasters) {

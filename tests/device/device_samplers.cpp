@@ -90,10 +90,8 @@ double filtered(const Picture& picture, uint32_t mip, const SamplerDesc& desc, F
             texel[axis] = wrap(modes[axis], first[axis] + step, sides[axis]);
             outside = outside || texel[axis] < 0;
         }
-        if (weight > 0)
-            sum += weight * (outside ? border
-                                     : double(picture.mips[mip][size_t(
-                                           (texel[2] * sides[1] + texel[1]) * sides[0] + texel[0])]));
+        const int index = (texel[2] * sides[1] + texel[1]) * sides[0] + texel[0];
+        if (weight > 0) sum += weight * (outside ? border : double(picture.mips[mip][size_t(index)]));
     }
     return sum;
 }

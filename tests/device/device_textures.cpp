@@ -180,9 +180,9 @@ std::vector<glm::vec4> centres(const Extent& whole, uint32_t slices, bool volume
     for (uint32_t z = 0; z < slices; ++z)
         for (uint32_t y = 0; y < whole.height; ++y)
             for (uint32_t x = 0; x < whole.width; ++x)
-                points.push_back({(float(x) + 0.5f) / float(whole.width),
-                                  (float(y) + 0.5f) / float(whole.height),
-                                  volume ? (float(z) + 0.5f) / float(slices) : float(z), 0});
+                points.emplace_back((float(x) + 0.5f) / float(whole.width),
+                                    (float(y) + 0.5f) / float(whole.height),
+                                    volume ? (float(z) + 0.5f) / float(slices) : float(z), 0);
     return points;
 }
 
@@ -190,21 +190,24 @@ std::vector<glm::vec4> centres(const Extent& whole, uint32_t slices, bool volume
 /// specifications have them.
 std::vector<glm::vec4> cube_centres(uint32_t side, uint32_t cubes) {
     std::vector<glm::vec4> points;
-    for (uint32_t layer = 0; layer < 6 * cubes; ++layer)
+    for (uint32_t layer = 0; layer < 6 * cubes; ++layer) {
+        const uint32_t which = layer / 6;
         for (uint32_t y = 0; y < side; ++y)
             for (uint32_t x = 0; x < side; ++x) {
                 const float s = 2 * (float(x) + 0.5f) / float(side) - 1;
                 const float t = 2 * (float(y) + 0.5f) / float(side) - 1;
                 const glm::vec3 d[] = {{1, -t, -s}, {-1, -t, s}, {s, 1, t},
                                        {s, -1, -t}, {s, -t, 1},  {-s, -t, -1}};
-                points.emplace_back(d[layer % 6], float(layer / 6));
+                points.emplace_back(d[layer % 6], float(which));
             }
+    }
     return points;
 }
 
 template <class Texel>
 std::vector<float> reds(const std::vector<Texel>& texels) {
     std::vector<float> red;
+    red.reserve(texels.size());
     for (const Texel& texel : texels) red.push_back(float(texel.r));
     return red;
 }
@@ -464,8 +467,10 @@ TEST_P(TextureTest, OneLayerOfAnArrayIsStored) {
         {{6, 3, 1}, 0}, {2, 1, 1});
     const auto read = texels<float>(made, 1);
     for (uint32_t layer = 0; layer < 5; ++layer)
-        for (uint32_t i = 0; i < 18; ++i)
-            ASSERT_EQ(read[layer * 18 + i], layer == 2 ? float(i % 6 + 16 * (i / 6)) : -1.0f);
+        for (uint32_t i = 0; i < 18; ++i) {
+            const uint32_t stored = i % 6 + 16 * (i / 6);
+            ASSERT_EQ(read[layer * 18 + i], layer == 2 ? float(stored) : -1.0f);
+        }
 }
 
 TEST_P(TextureTest, ImagesAreRead) {
@@ -529,7 +534,8 @@ TEST_P(TextureTest, WhatOneWritesTheNextSamples) {
     device().submit(std::move(commands));
     const auto a = contents<glm::vec4>(first), b = contents<glm::vec4>(second);
     for (uint32_t i = 0; i < 64; ++i) {
-        EXPECT_EQ(a[i].r, float(i % 8 + 16 * (i / 8)));
+        const uint32_t stored = i % 8 + 16 * (i / 8);
+        EXPECT_EQ(a[i].r, float(stored));
         EXPECT_EQ(b[i].r, a[i].r + 100);
     }
 }

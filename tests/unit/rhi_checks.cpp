@@ -9,7 +9,6 @@
 namespace lumo::rhi {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -409,7 +408,7 @@ TEST_F(RasterChecks, Targets) {
 }
 
 TEST_F(RasterChecks, PipelinesOfOtherTargets) {
-    const auto draw = [&](RasterState state) {
+    const auto draw = [&](const RasterState& state) {
         return [&, made = pipeline(state)](RasterPass& pass) {
             pass.draw(made, bindings(), {}, Draw{.vertices = 3});
         };

@@ -36,6 +36,7 @@ std::vector<size_t> counts(const std::vector<Scope>& scopes) {
     const auto plan = plan_barriers(scopes);
     EXPECT_THAT(find_hazards(scopes, plan), IsEmpty()) << to_text(scopes, plan);
     std::vector<size_t> sizes;
+    sizes.reserve(plan.size());
     for (const auto& barriers : plan) sizes.push_back(barriers.size());
     return sizes;
 }
