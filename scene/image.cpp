@@ -62,13 +62,63 @@ struct Header {
     uint64_t least_bytes = 0;  // what a file of this size must have at least
 };
 
+// Whether the chunks lead up to the one that ends the image. A decoder that runs into the end of the bytes instead
+// jumps out of OpenImageIO 2.4 by longjmp, past a string of it that then leaks.
+bool png_is_whole(std::span<const std::byte> bytes) {
+    for (uint64_t at = 8; at + 12 <= bytes.size(); at += 12 + uint64_t(big_endian(bytes, at, 4)))
+        if (big_endian(bytes, at + 4, 4) == 0x49454e44) return true;
+    return false;
+}
+
 std::optional<Header> png_header(std::span<const std::byte> bytes) {
-    if (bytes.size() < 26 || big_endian(bytes, 12, 4) != 0x49484452) return std::nullopt;
+    if (bytes.size() < 26 || big_endian(bytes, 12, 4) != 0x49484452 || !png_is_whole(bytes))
+        return std::nullopt;
     const Size size{big_endian(bytes, 16, 4), big_endian(bytes, 20, 4)};
     const uint32_t depth = big_endian(bytes, 24, 1), color_type = big_endian(bytes, 25, 1);
     const uint64_t channels = color_type == 2 ? 3 : color_type == 4 ? 2 : color_type == 6 ? 4 : 1;
     // Deflate makes 1032 bytes of one at most.
     return Header{size, size.width * channels * depth / 8 * size.height / 1032};
+}
+
+uint32_t little_endian(std::span<const std::byte> bytes, size_t at) {
+    uint32_t value = 0;
+    for (size_t i = 4; i-- > 0;) value = value << 8 | std::to_integer<uint32_t>(bytes[at + i]);
+    return value;
+}
+
+// The position after the zero that ends the string at a position, if it is in the bytes.
+std::optional<size_t> end_of_string(std::span<const std::byte> bytes, size_t at) {
+    const auto zero =
+        std::find(bytes.begin() + std::ptrdiff_t(std::min(at, bytes.size())), bytes.end(), std::byte(0));
+    if (zero == bytes.end()) return std::nullopt;
+    return size_t(zero - bytes.begin()) + 1;
+}
+
+// Walks the attributes of the one header (OpenEXR, "The OpenEXR File Layout"), because OpenEXR allocates what each
+// says to be its size.
+std::optional<Header> exr_header(std::span<const std::byte> bytes) {
+    constexpr size_t first_attribute = 8;
+    std::optional<Header> header;
+    for (size_t at = first_attribute; at < bytes.size();) {
+        const auto type = end_of_string(bytes, at);
+        if (!type) return std::nullopt;
+        if (*type == at + 1) return header;  // an empty name ends the header
+        const auto size = end_of_string(bytes, *type);
+        if (!size || *size + 4 > bytes.size()) return std::nullopt;
+        const size_t data = *size + 4, length = little_endian(bytes, *size);
+        if (length > bytes.size() - data) return std::nullopt;
+        const std::string_view name(reinterpret_cast<const char*>(bytes.data()) + at, *type - at - 1);
+        if (name == "dataWindow" && length == 16) {
+            const auto extent = [&](size_t low) {
+                return uint64_t(std::max<int64_t>(int64_t(int32_t(little_endian(bytes, data + low + 8))) -
+                                                      int32_t(little_endian(bytes, data + low)) + 1,
+                                                  0));
+            };
+            header = Header{{extent(0), extent(4)}, 0};
+        }
+        at = data + length;
+    }
+    return std::nullopt;
 }
 
 // Walks the segments up to the frame header (SOF0 to SOF15 but for DHT, JPG and DAC).
@@ -124,11 +174,14 @@ struct Reader {
 
 Result<Reader> open(std::span<const std::byte> bytes, Format format, const std::string& name,
                     const ImageLimits& limits) {
-    // Some decoders take memory for the whole picture on opening, so PNG and JPEG are looked at first.
-    if (format == Format::png || format == Format::jpeg) {
-        const auto header = format == Format::png ? png_header(bytes) : jpeg_header(bytes);
+    // Some decoders take memory for what the header says on opening, so most headers are looked at first.
+    if (format != Format::hdr) {
+        const auto header = format == Format::png    ? png_header(bytes)
+                            : format == Format::jpeg ? jpeg_header(bytes)
+                                                     : exr_header(bytes);
         if (!header)
-            return fail(ErrorKind::invalid_file, name, "has no valid image header", "write the image again");
+            return fail(ErrorKind::invalid_file, name, "has no valid header or is cut off",
+                        "write the image again");
         if (auto checked = check_size(header->size, 4, name, limits); !checked)
             return tl::unexpected(checked.error());
         if (bytes.size() < header->least_bytes)
@@ -237,6 +290,9 @@ size_t channel_rank(std::string_view channel) {
 
 Result<std::vector<ExrLayer>> decode_exr(std::span<const std::byte> bytes, const std::string& name,
                                          const ImageLimits& limits) {
+    constexpr uint32_t deep_or_multipart = 0x1800;
+    if (bytes.size() < 8 || (little_endian(bytes, 4) & deep_or_multipart) != 0)
+        return fail(ErrorKind::unsupported, name, "is a deep or multi-part EXR file", "write one flat part");
     Result<Reader> reader = open(bytes, Format::exr, name, limits);
     if (!reader) return tl::unexpected(reader.error());
     const OIIO::ImageSpec& spec = reader->spec;

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <random>
 
 #include "scene/image.hpp"
 #include "tests/unit/scene_files.hpp"
@@ -176,6 +177,36 @@ TEST(Image, PngReadsAsFloatWithoutColourConversion) {
     const auto back = read_image_float(folder.path() / "b.png");
     ASSERT_TRUE(back) << to_string(back.error());
     EXPECT_THAT(back->values, ElementsAre(0.0f, 128 / 255.0f, 1.0f));
+}
+
+// Files with bytes flipped either decode to an image that is whole or end in an error.
+TEST(Image, FlippedFilesEndWell) {
+    TemporaryFolder folder;
+    std::vector<std::string> files = {make_png(8, 8, 8, 6, std::string(256, 'x'))};
+    const ImageF pixels{.width = 8, .height = 8, .channels = 3, .values = std::vector<float>(192, 0.5f)};
+    ASSERT_TRUE(write_exr(folder.path() / "a.exr", std::vector<ExrLayer>{{"", pixels}}));
+    const auto shared = std::filesystem::path(LUMO_SHARED_DATA);
+    for (const auto& file :
+         {folder.path() / "a.exr", shared / "gltf-invalid/khronos-validator/image/cyan.jpg"}) {
+        std::ifstream stream(file, std::ios::binary);
+        if (stream)
+            files.emplace_back(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+    }
+    const ImageLimits limits{.max_side = 4096, .max_bytes = 1 << 24};
+    std::minstd_rand random(7);
+    for (const std::string& whole : files)
+        for (int i = 0; i < 300; ++i) {
+            std::string flipped = whole;
+            for (int k = 0; k < 4; ++k) flipped[8 + random() % (flipped.size() - 8)] = char(random() >> 8);
+            const auto file = folder.write("flipped", flipped);
+            if (const auto image = read_image_float(file, limits))
+                EXPECT_EQ(image->values.size(), size_t(image->width) * image->height * image->channels);
+            else
+                EXPECT_FALSE(image.error().message.empty());
+            if (const auto image = read_image8(file, limits)) {
+                EXPECT_EQ(image->values.size(), size_t(image->width) * image->height * 4);
+            }
+        }
 }
 
 }  // namespace
