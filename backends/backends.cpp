@@ -5,8 +5,10 @@
 
 namespace lumo::backends {
 
-Result<rhi::Device> create_device(rhi::Api api, const rhi::DeviceDesc& desc) {
-    auto backend = api == rhi::Api::gl ? gl::create_backend(desc) : vulkan::create_backend(desc);
+Result<rhi::Device> create_device(rhi::Api api, const rhi::DeviceDesc& desc,
+                                  std::shared_ptr<const Surface> surface) {
+    auto backend = api == rhi::Api::gl ? gl::create_backend(desc, std::move(surface))
+                                       : vulkan::create_backend(desc, std::move(surface));
     return std::move(backend).map(
         [&](std::unique_ptr<rhi::Backend> made) { return rhi::Device(std::move(made), desc); });
 }

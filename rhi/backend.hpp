@@ -89,10 +89,17 @@ struct BlitMipCommand {
     uint32_t source_mip;
 };
 
+/// In the window, once the submission is done: mip 0 of a 2D texture, stretched to the window's size, row 0 at
+/// the bottom, texels as they are stored. Once a submission.
+struct PresentCommand {
+    TextureHandle texture;
+    bool vsync;
+};
+
 using Command = std::variant<DispatchCommand, DispatchIndirectCommand, DrawCommand, DrawIndexedCommand,
                              DrawIndirectCommand, ViewportCommand, CopyBufferCommand, CopyTextureCommand,
                              CopyBufferToTextureCommand, CopyTextureToBufferCommand, FillBufferCommand,
-                             ClearTextureCommand, BlitMipCommand>;
+                             ClearTextureCommand, BlitMipCommand, PresentCommand>;
 
 struct Step {
     std::vector<Barrier> barriers;  ///< in front of the command; empty inside raster passes

@@ -50,6 +50,8 @@ std::string_view to_string(Check check) {
             return "pass_open";
         case Check::ticket_unknown:
             return "ticket_unknown";
+        case Check::not_presentable:
+            return "not_presentable";
         case Check::commands_spent:
             return "commands_spent";
         case Check::leaked_resource:

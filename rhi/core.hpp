@@ -57,6 +57,7 @@ class DeviceCore {
     uint64_t open_raster_pass(uint64_t serial, std::string_view name, const RasterTargets& targets);
     void end_pass(uint64_t id);
     Result<BufferSlice> uniform(uint64_t serial, std::span<const std::byte> bytes);
+    Result<void> present(uint64_t serial, TextureHandle texture, bool vsync);
 
     Result<void> dispatch(uint64_t id, PipelineHandle pipeline, std::span<const BindingValue> bindings,
                           std::span<const std::byte> push, Groups groups);
@@ -145,6 +146,7 @@ class DeviceCore {
 
     uint64_t submitted_ = 0;
     uint64_t open_serial_ = 0;  ///< 0 while nothing is recorded
+    bool presented_ = false;    ///< in the open submission
     std::optional<Error> lost_;
     uint64_t last_pass_ = 0;
     std::unique_ptr<OpenPass> pass_;

@@ -106,6 +106,7 @@ uint64_t DeviceCore::begin() {
         return 0;
     }
     open_serial_ = submitted_ + 1;
+    presented_ = false;
     if (auto begun = lost_ ? tl::unexpected(*lost_) : backend_->begin(open_serial_); !begun && !lost_) {
         lost_ = begun.error();
         drop("begin", {Check::none, to_string(*lost_)});

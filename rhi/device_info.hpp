@@ -40,6 +40,7 @@ struct DeviceInfo {
     std::string api_version;
     bool software = false;  ///< runs on the CPU
     bool geometry_shader = false;
+    bool window = false;                 ///< it was made for a window, where Commands::present shows frames
     bool validation = false;             ///< the layers, or KHR_debug with a debug context, are on
     Timing timing = Timing::serialised;  ///< never automatic
     Limits limits;

@@ -462,6 +462,32 @@ Result<Readback> DeviceCore::read(uint64_t id, TextureHandle source, const Textu
     return recorded.and_then([&] { return ticket; });
 }
 
+// -- presenting
+
+Result<void> DeviceCore::present(uint64_t serial, TextureHandle handle, bool vsync) {
+    const uint64_t id = open_pass(serial, "present");
+    if (!id) return fail(ErrorKind::invalid_argument, "present", "its pass could not be opened");
+    auto recorded = record(id, [&](OpenPass& pass) -> Verdict {
+        const TextureRecord* texture = resources_.find(handle);
+        if (!texture) return stale("a texture");
+        const TextureDesc& desc = texture->desc;
+        const FormatInfo& format = format_info(desc.format);
+        if (!info().window) return fault(Check::not_presentable, "the device was made without a window");
+        if (presented_) return fault(Check::not_presentable, "a submission presents once");
+        if (desc.dimension != Dimension::d2 || format.kind == FormatKind::depth ||
+            texel_kind(desc.format) != TexelKind::floating ||
+            !has(format_caps(desc.format), FormatCaps::attachment))
+            return fault(Check::not_presentable, "texture {} of format {} is no picture of two dimensions",
+                         quoted(desc.name), format.name);
+        presented_ = true;
+        const Use use = texture_use({.texture = handle}, 0, Access::copy_read);
+        add(pass, "copy", {&use, 1}, false, PresentCommand{handle, vsync});
+        return {};
+    });
+    end_pass(id);
+    return recorded;
+}
+
 // -- raster
 
 Verdict DeviceCore::check_targets(RasterTargets& targets, std::vector<Use>& uses) {
@@ -667,6 +693,10 @@ RasterPass Commands::raster_pass(std::string_view name, const RasterTargets& tar
 
 UniformBuffer Commands::uniform_bytes(std::span<const std::byte> bytes) {
     return core_->uniform(serial_, bytes).value_or(BufferSlice{});
+}
+
+void Commands::present(const Texture& texture, bool vsync) {
+    (void)core_->present(serial_, texture.handle(), vsync);
 }
 
 void PassBase::end() {

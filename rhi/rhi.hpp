@@ -178,6 +178,13 @@ class Commands {
     }
     UniformBuffer uniform_bytes(std::span<const std::byte> bytes);
 
+    /// Shows mip 0 of a 2D colour texture in the device's window once the submission is done; once a
+    /// submission, as a pass named "present". Row 0 is at the bottom; the texture is stretched where its size
+    /// is not the window's. Its texels are taken as a PNG file's: encoded for display, as they are stored.
+    /// `vsync`: the device waits for the screen, and frames are shown whole. Nothing happens while the window
+    /// is minimised.
+    void present(const Texture& texture, bool vsync = true);
+
   private:
     friend class Device;
     Commands(DeviceCore* core, uint64_t serial) : core_(core), serial_(serial) {}

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <variant>
 
 #include "backends/gl/context.hpp"
@@ -134,7 +136,13 @@ class GlBackend final : public rhi::Backend {
     Result<void> begin(uint64_t serial) override { return current().timeline_.begin(serial); }
     void emit(const rhi::EmittedPass& pass) override;
     Result<void> submit() override {
-        return current().timeline_.submit().and_then([] { return check_errors("submission"); });
+        return current()
+            .timeline_.submit()
+            .and_then([] { return check_errors("submission"); })
+            .and_then([this]() -> Result<void> {
+                const auto vsync = std::exchange(presenting_, {});
+                return vsync ? context_->swap(*vsync) : Result<void>{};
+            });
     }
     uint64_t completed() override { return current().timeline_.completed(); }
     Result<void> wait(uint64_t serial) override { return current().timeline_.wait(serial); }
@@ -177,6 +185,7 @@ class GlBackend final : public rhi::Backend {
     void run(const rhi::FillBufferCommand& command);
     void run(const rhi::ClearTextureCommand& command);
     void run(const rhi::BlitMipCommand& command);
+    void run(const rhi::PresentCommand& command);
 
     std::unique_ptr<Context> context_;
     Resources resources_;
@@ -187,7 +196,8 @@ class GlBackend final : public rhi::Backend {
     std::vector<Pipeline> pipelines_;
     std::array<rhi::FormatCaps, rhi::format_count> caps_{};
     GLuint vertex_array_ = 0;
-    GLuint indices_ = 0;  ///< bound to the vertex array
+    GLuint indices_ = 0;              ///< bound to the vertex array
+    std::optional<bool> presenting_;  ///< with vsync or without; none: the submission shows nothing
 };
 
 Result<void> GlBackend::create_pipeline(rhi::PipelineHandle handle, const rhi::ProgramInfo& program,
@@ -481,6 +491,27 @@ void GlBackend::run(const rhi::BlitMipCommand& command) {
     }
 }
 
+void GlBackend::run(const rhi::PresentCommand& command) {
+    const rhi::Extent window = context_->surface()->size();
+    if (window.width == 0 || window.height == 0) return;
+    presenting_ = command.vsync;
+    const rhi::TextureDesc& desc = resources_.texture(command.texture).desc;
+    // Texels go as they are stored: neither decoded here nor encoded there.
+    const bool srgb = desc.format == rhi::Format::rgba8_srgb;
+    const Attachment picture{resources_.view({.texture = command.texture,
+                                              .dimension = desc.dimension,
+                                              .format = srgb ? rhi::Format::rgba8_unorm : desc.format,
+                                              .mips = 1,
+                                              .layers = 1})};
+    const bool stretched = desc.extent != window;
+    state_.open_masks();
+    glDisable(GL_FRAMEBUFFER_SRGB);
+    glBlitNamedFramebuffer(resources_.framebuffer({&picture, 1}, nullptr, {}, 1), 0, 0, 0,
+                           GLint(desc.extent.width), GLint(desc.extent.height), 0, 0, GLint(window.width),
+                           GLint(window.height), GL_COLOR_BUFFER_BIT, stretched ? GL_LINEAR : GL_NEAREST);
+    glEnable(GL_FRAMEBUFFER_SRGB);
+}
+
 rhi::MemoryBudget GlBackend::memory_budget() {
     context_->make_current();
     if (!epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) return {};
@@ -492,8 +523,9 @@ rhi::MemoryBudget GlBackend::memory_budget() {
 
 }  // namespace
 
-Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc) {
-    auto context = Context::open(desc);
+Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc,
+                                                     std::shared_ptr<const Surface> surface) {
+    auto context = Context::open(desc, std::move(surface));
     if (!context) return tl::unexpected(context.error());
     auto ring = PushRing::create((*context)->info().limits.uniform_alignment);
     if (!ring) return tl::unexpected(ring.error());

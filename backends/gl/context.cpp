@@ -66,7 +66,8 @@ HeadlessDisplays headless_displays() {
 
 /// A display is initialised and never terminated: it belongs to the process, and terminating it would take
 /// away the contexts of everyone else who uses it.
-std::unique_ptr<Context> open_on(EGLDisplay display, bool debug) {
+std::unique_ptr<Context> open_on(EGLDisplay display, bool debug,
+                                 std::shared_ptr<const Surface> surface = {}) {
     if (display == EGL_NO_DISPLAY) return nullptr;
     if (!eglInitialize(display, nullptr, nullptr) || !eglBindAPI(EGL_OPENGL_API)) return nullptr;
     const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
@@ -90,9 +91,9 @@ std::unique_ptr<Context> open_on(EGLDisplay display, bool debug) {
         EGLContext made = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
         if (made == EGL_NO_CONTEXT) continue;
         // From a context of this version on, epoxy finds every function that is called.
-        if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, made) &&
-            epoxy_gl_version() >= needed_version) {
-            return std::make_unique<Context>(display, made);
+        EGLSurface target = surface ? surface->egl_surface : EGL_NO_SURFACE;
+        if (eglMakeCurrent(display, target, target, made) && epoxy_gl_version() >= needed_version) {
+            return std::make_unique<Context>(display, made, std::move(surface));
         }
         eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         eglDestroyContext(display, made);
@@ -191,9 +192,13 @@ void print_failure(const rhi::Message& message) {
 }
 
 /// Calls `visit` with a context of each device in turn, until it returns true. The surfaceless display would
-/// show one of them again, so it is asked only where there are none.
+/// show one of them again, so it is asked only where there are none. A surface has one device.
 template <class Visit>
-void visit_devices(bool debug, Visit visit) {
+void visit_devices(bool debug, const std::shared_ptr<const Surface>& surface, Visit visit) {
+    if (surface) {
+        if (auto context = open_on(surface->egl_display, debug, surface)) visit(std::move(context));
+        return;
+    }
     const HeadlessDisplays displays = headless_displays();
     bool found = false;
     for (EGLDisplay display : displays.devices) {
@@ -208,7 +213,10 @@ void visit_devices(bool debug, Visit visit) {
 
 }  // namespace
 
-Context::Context(void* display, void* context) : display_(display), context_(context), info_(query_info()) {}
+Context::Context(void* display, void* context, std::shared_ptr<const Surface> surface)
+    : display_(display), context_(context), surface_(std::move(surface)), info_(query_info()) {
+    info_.window = surface_ != nullptr;
+}
 
 Context::~Context() {
     // What the host may still read of mapped memory was read before its owners went; what the device still
@@ -224,7 +232,16 @@ Context::~Context() {
 void Context::make_current() const {
     if (eglGetCurrentContext() == context_) return;
     eglBindAPI(EGL_OPENGL_API);
-    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
+    EGLSurface target = surface_ ? surface_->egl_surface : EGL_NO_SURFACE;
+    eglMakeCurrent(display_, target, target, context_);
+}
+
+Result<void> Context::swap(bool vsync) {
+    if (std::exchange(interval_, vsync) != vsync) eglSwapInterval(display_, vsync);
+    if (eglSwapBuffers(display_, surface_->egl_surface)) return {};
+    return fail(ErrorKind::device_lost, info_.name,
+                fmt::format("the window takes no frame (EGL error {:#x})", eglGetError()),
+                "open the window and the device anew");
 }
 
 void Context::report_to(rhi::MessageSink sink) {
@@ -240,11 +257,12 @@ void Context::report_to(rhi::MessageSink sink) {
     glDebugMessageCallback(on_message, &sink_);
 }
 
-Result<std::unique_ptr<Context>> Context::open(const rhi::DeviceDesc& desc) {
+Result<std::unique_ptr<Context>> Context::open(const rhi::DeviceDesc& desc,
+                                               std::shared_ptr<const Surface> surface) {
     const std::string wanted = lower(desc.name);
     std::unique_ptr<Context> best;
     std::vector<std::string> found;
-    visit_devices(desc.validation, [&](std::unique_ptr<Context> context) {
+    visit_devices(desc.validation, surface, [&](std::unique_ptr<Context> context) {
         found.push_back(context->info().name);
         if (lower(context->info().name).find(wanted) == std::string::npos) return false;
         const bool final_choice = !wanted.empty() || !context->info().software;
@@ -272,7 +290,7 @@ Result<std::unique_ptr<Context>> Context::open(const rhi::DeviceDesc& desc) {
 
 std::vector<rhi::DeviceInfo> found_devices() {
     std::vector<rhi::DeviceInfo> devices;
-    visit_devices(false, [&](std::unique_ptr<Context> context) {
+    visit_devices(false, {}, [&](std::unique_ptr<Context> context) {
         devices.push_back(context->info());
         return false;
     });

@@ -95,7 +95,8 @@ void Executor::emit(const rhi::EmittedPass& pass) {
     if (timed) stamp(0);
     // llvmpipe takes a stamp when it next flushes its draws: without this, after the pass's dispatches.
     if (serialised) order_everything();
-    auto done = Recorder(gpu_, store_, open_->sets, open_->commands).record(pass);
+    const size_t slot = open_->serial % frames_.size();
+    auto done = Recorder(gpu_, store_, swapchain_, slot, open_->sets, open_->commands).record(pass);
     if (!done) recorded_ = done;
     if (serialised) order_everything();
     if (timed) stamp(1);
@@ -154,16 +155,22 @@ Result<void> Executor::submit() {
                                  .semaphore = timeline_.get(),
                                  .value = frame.serial,
                                  .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+    const auto window = swapchain_.semaphores();
+    const VkSemaphoreSubmitInfo waits[] = {window ? window->free : VkSemaphoreSubmitInfo{}};
+    const VkSemaphoreSubmitInfo signals[] = {signal, window ? window->drawn : VkSemaphoreSubmitInfo{}};
     VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                       .waitSemaphoreInfoCount = window ? 1u : 0u,
+                       .pWaitSemaphoreInfos = waits,
                        .commandBufferInfoCount = result == VK_SUCCESS ? 1u : 0u,
                        .pCommandBufferInfos = &commands,
-                       .signalSemaphoreInfoCount = 1,
-                       .pSignalSemaphoreInfos = &signal};
+                       .signalSemaphoreInfoCount = window ? 2u : 1u,
+                       .pSignalSemaphoreInfos = signals};
     if (result != VK_SUCCESS) frame.passes = 0;
     // Submitted even when recording failed, because its serial is waited for.
     VkResult submitted = vk_.vkQueueSubmit2(gpu_.queue(), 1, &info, VK_NULL_HANDLE);
     // A serial that will never be reached is as good as a lost device.
     if (submitted != VK_SUCCESS) return check(VK_ERROR_DEVICE_LOST, "vkQueueSubmit2");
+    swapchain_.present(result == VK_SUCCESS);
     if (result != VK_SUCCESS) return check(result, "vkEndCommandBuffer");
     return recorded_;
 }

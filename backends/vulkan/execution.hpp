@@ -36,7 +36,7 @@ class Executor {
         uint64_t serial = 0;  ///< 0: not used since its stamps were read
     };
 
-    Executor(const Gpu& gpu, Store& store) : gpu_(gpu), vk_(gpu.vk()), store_(store) {}
+    Executor(const Gpu& gpu, Store& store) : gpu_(gpu), vk_(gpu.vk()), store_(store), swapchain_(gpu) {}
     Result<void> check(VkResult result, std::string_view call);
     Result<void> make_room_for_stamps();
     void stamp(uint32_t which);
@@ -46,6 +46,7 @@ class Executor {
     const Gpu& gpu_;
     const VolkDeviceTable& vk_;
     Store& store_;
+    Swapchain swapchain_;
     Unique<VkSemaphore> timeline_;
     std::array<Frame, rhi::max_in_flight> frames_;
     Frame* open_ = nullptr;

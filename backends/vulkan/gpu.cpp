@@ -54,7 +54,8 @@ struct Candidate {
     std::string_view name() const { return properties.deviceName; }
 };
 
-Candidate look_at(const Instance& instance, VkPhysicalDevice device) {
+/// With a surface, as a device that presents to it.
+Candidate look_at(const Instance& instance, VkPhysicalDevice device, VkSurfaceKHR surface = VK_NULL_HANDLE) {
     const auto& vk = instance.vk();
     Candidate found{.device = device};
 
@@ -94,11 +95,15 @@ Candidate look_at(const Instance& instance, VkPhysicalDevice device) {
     auto families = enumerate<VkQueueFamilyProperties>(
         [&](uint32_t* count, VkQueueFamilyProperties* list) { vk.queue_families(device, count, list); });
     constexpr VkQueueFlags both = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    auto family = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& f) {
-        return (f.queueFlags & both) == both;
+    auto family = std::find_if(families.begin(), families.end(), [&](const VkQueueFamilyProperties& f) {
+        VkBool32 presents = VK_TRUE;
+        if (surface) vk.surface_support(device, uint32_t(&f - families.data()), surface, &presents);
+        return (f.queueFlags & both) == both && presents;
     });
+    if (surface && !has_extension(VK_KHR_SWAPCHAIN_EXTENSION_NAME)) found.lacks.emplace_back("swapchains");
     if (family == families.end()) {
-        found.lacks.emplace_back("a queue for both graphics and compute");
+        found.lacks.emplace_back(surface ? "a queue for graphics, compute and presenting to this window"
+                                         : "a queue for both graphics and compute");
     } else {
         found.queue_family = uint32_t(family - families.begin());
         found.timestamp_bits = family->timestampValidBits;
@@ -119,10 +124,10 @@ bool names(std::string_view name, std::string_view part) {
            }) != name.end();
 }
 
-Result<Candidate> choose(const Instance& instance, std::string_view name) {
+Result<Candidate> choose(const Instance& instance, std::string_view name, VkSurfaceKHR surface) {
     std::vector<Candidate> candidates;
     for (VkPhysicalDevice device : instance.physical_devices())
-        candidates.push_back(look_at(instance, device));
+        candidates.push_back(look_at(instance, device, surface));
     if (candidates.empty()) {
         return fail(ErrorKind::no_device, "Vulkan", "no device was found",
                     "install a Vulkan driver, such as the package mesa-vulkan-drivers, or use OpenGL");
@@ -208,18 +213,26 @@ std::vector<rhi::DeviceInfo> list_devices(const Instance& instance) {
     return list;
 }
 
-Result<std::unique_ptr<Gpu>> Gpu::create(const rhi::DeviceDesc& desc) {
-    auto instance = Instance::create(desc.validation, desc.sink);
+Result<std::unique_ptr<Gpu>> Gpu::create(const rhi::DeviceDesc& desc, std::shared_ptr<const Surface> window) {
+    using Extensions = std::span<const char* const>;
+    auto instance = Instance::create(desc.validation, desc.sink,
+                                     window ? Extensions(window->instance_extensions) : Extensions());
     if (!instance) return tl::unexpected(instance.error());
-    auto chosen = choose(**instance, desc.name);
-    if (!chosen) return tl::unexpected(chosen.error());
-
     std::unique_ptr<Gpu> gpu(new Gpu);
+    gpu->window_ = std::move(window);
     gpu->instance_ = std::move(*instance);
+    if (gpu->window_) {
+        auto surface = gpu->window_->create_vulkan_surface(gpu->instance_->handle());
+        if (!surface) return tl::unexpected(surface.error());
+        gpu->surface_ = reinterpret_cast<VkSurfaceKHR>(*surface);
+    }
+    auto chosen = choose(*gpu->instance_, desc.name, gpu->surface_);
+    if (!chosen) return tl::unexpected(chosen.error());
     gpu->physical_ = chosen->device;
     gpu->properties_ = chosen->properties;
     gpu->info_ = describe(*chosen);
     gpu->info_.validation = desc.validation;
+    gpu->info_.window = gpu->surface_ != VK_NULL_HANDLE;
     if (desc.timing != Timing::automatic) gpu->info_.timing = desc.timing;
     gpu->queue_family_ = *chosen->queue_family;
     gpu->timestamp_bits_ = chosen->timestamp_bits;
@@ -241,6 +254,7 @@ Result<std::unique_ptr<Gpu>> Gpu::create(const rhi::DeviceDesc& desc) {
     std::vector<const char*> extensions;
     if (gpu->push_descriptors_) extensions.push_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     if (gpu->budget_) extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+    if (gpu->surface_) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     float priority = 1;
     VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                   .queueFamilyIndex = gpu->queue_family_,
@@ -262,6 +276,7 @@ Result<std::unique_ptr<Gpu>> Gpu::create(const rhi::DeviceDesc& desc) {
 
 Gpu::~Gpu() {
     if (device_) table_.vkDestroyDevice(device_, nullptr);
+    if (surface_) instance_->vk().destroy_surface(instance_->handle(), surface_, nullptr);
 }
 
 void Gpu::query_formats() {

@@ -9,6 +9,7 @@
 #include <vector>
 #include <volk.h>
 
+#include "backends/surface.hpp"
 #include "backends/vulkan/instance.hpp"
 #include "rhi/device_info.hpp"
 #include "rhi/error.hpp"
@@ -54,9 +55,10 @@ tl::unexpected<Error> fail(VkResult result, std::string subject, std::string_vie
 
 class Gpu {
   public:
-    /// The best device, or the one whose name holds desc.name. Errors: no_device (with what was found),
+    /// The best device, or the one whose name holds desc.name; with a surface, one that presents to it. Errors: no_device (with what was found),
     /// unsupported (with what the device lacks).
-    static Result<std::unique_ptr<Gpu>> create(const rhi::DeviceDesc& desc);
+    static Result<std::unique_ptr<Gpu>> create(const rhi::DeviceDesc& desc,
+                                               std::shared_ptr<const Surface> surface);
     ~Gpu();
     Gpu(const Gpu&) = delete;
     Gpu& operator=(const Gpu&) = delete;
@@ -67,6 +69,10 @@ class Gpu {
     uint32_t queue_family() const { return queue_family_; }
     const VolkDeviceTable& vk() const { return table_; }
     const Instance& instance() const { return *instance_; }
+
+    /// Null without a window.
+    VkSurfaceKHR surface() const { return surface_; }
+    rhi::Extent window_size() const { return window_->size(); }
 
     const rhi::DeviceInfo& info() const { return info_; }
     rhi::FormatCaps format_caps(rhi::Format format) const { return format_caps_[size_t(format)]; }
@@ -96,7 +102,9 @@ class Gpu {
     Gpu() = default;
     void query_formats();
 
+    std::shared_ptr<const Surface> window_;
     std::unique_ptr<Instance> instance_;
+    VkSurfaceKHR surface_ = VK_NULL_HANDLE;
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;

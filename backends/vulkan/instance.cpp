@@ -49,7 +49,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT
 
 }  // namespace
 
-Result<std::unique_ptr<Instance>> Instance::create(bool validation, rhi::MessageSink sink) {
+Result<std::unique_ptr<Instance>> Instance::create(bool validation, rhi::MessageSink sink,
+                                                   std::span<const char* const> surfaces) {
     auto get = loader();
     if (!get) {
         return fail(ErrorKind::no_device, "Vulkan", "there is no Vulkan loader (libvulkan.so.1)",
@@ -93,7 +94,7 @@ Result<std::unique_ptr<Instance>> Instance::create(bool validation, rhi::Message
     });
 
     std::unique_ptr<Instance> made(new Instance(std::move(sink)));
-    std::vector<const char*> extensions;
+    std::vector<const char*> extensions(surfaces.begin(), surfaces.end());
     if (debug_utils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (validation) extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
     VkDebugUtilsMessengerCreateInfoEXT messenger{
@@ -147,6 +148,13 @@ Result<std::unique_ptr<Instance>> Instance::create(bool validation, rhi::Message
     load(vk.image_format_properties, instance, "vkGetPhysicalDeviceImageFormatProperties2");
     load(vk.create_device, instance, "vkCreateDevice");
     load(vk.get_device_proc_addr, instance, "vkGetDeviceProcAddr");
+    if (!surfaces.empty()) {
+        load(vk.destroy_surface, instance, "vkDestroySurfaceKHR");
+        load(vk.surface_support, instance, "vkGetPhysicalDeviceSurfaceSupportKHR");
+        load(vk.surface_capabilities, instance, "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
+        load(vk.surface_formats, instance, "vkGetPhysicalDeviceSurfaceFormatsKHR");
+        load(vk.present_modes, instance, "vkGetPhysicalDeviceSurfacePresentModesKHR");
+    }
     if (debug_utils) {
         load(vk.create_messenger, instance, "vkCreateDebugUtilsMessengerEXT");
         load(vk.destroy_messenger, instance, "vkDestroyDebugUtilsMessengerEXT");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 #include <volk.h>
 
@@ -35,6 +36,12 @@ struct InstanceTable {
     PFN_vkGetPhysicalDeviceImageFormatProperties2 image_format_properties;
     PFN_vkCreateDevice create_device;
     PFN_vkGetDeviceProcAddr get_device_proc_addr;
+    // VK_KHR_surface; null without it.
+    PFN_vkDestroySurfaceKHR destroy_surface;
+    PFN_vkGetPhysicalDeviceSurfaceSupportKHR surface_support;
+    PFN_vkGetPhysicalDeviceSurfaceCapabilitiesKHR surface_capabilities;
+    PFN_vkGetPhysicalDeviceSurfaceFormatsKHR surface_formats;
+    PFN_vkGetPhysicalDeviceSurfacePresentModesKHR present_modes;
     // VK_EXT_debug_utils; null without it.
     PFN_vkCreateDebugUtilsMessengerEXT create_messenger;
     PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
@@ -45,14 +52,17 @@ struct InstanceTable {
 
 class Instance {
   public:
-    /// With `validation` the Khronos layer is on, synchronization validation included. Errors: no_device (no
-    /// loader, or no driver that can make an instance), unsupported (the layer or Vulkan 1.3 is missing).
-    static Result<std::unique_ptr<Instance>> create(bool validation, rhi::MessageSink sink);
+    /// With `validation` the Khronos layer is on, synchronization validation included. `surfaces`: the
+    /// extensions for those of a window. Errors: no_device (no loader, or no driver that can make an
+    /// instance), unsupported (the layer or Vulkan 1.3 is missing).
+    static Result<std::unique_ptr<Instance>> create(bool validation, rhi::MessageSink sink,
+                                                    std::span<const char* const> surfaces);
     ~Instance();
     Instance(const Instance&) = delete;
     Instance& operator=(const Instance&) = delete;
 
     const InstanceTable& vk() const { return table_; }
+    VkInstance handle() const { return instance_; }
     std::vector<VkPhysicalDevice> physical_devices() const;
     /// Fills a table with the device's own entry points, past the loader's dispatch.
     void load(VolkDeviceTable& table, VkDevice device) const;

@@ -7,6 +7,7 @@
 #include "backends/vulkan/gpu.hpp"
 #include "backends/vulkan/pipelines.hpp"
 #include "backends/vulkan/resources.hpp"
+#include "backends/vulkan/swapchain.hpp"
 #include "rhi/backend.hpp"
 
 namespace lumo::backends::vulkan {
@@ -39,8 +40,16 @@ class DescriptorSets {
 /// Records the commands of one pass.
 class Recorder {
   public:
-    Recorder(const Gpu& gpu, Store& store, DescriptorSets& sets, VkCommandBuffer commands)
-        : gpu_(gpu), vk_(gpu.vk()), store_(store), sets_(sets), commands_(commands) {}
+    /// `slot`: of the submission in flight, for the swapchain.
+    Recorder(const Gpu& gpu, Store& store, Swapchain& swapchain, size_t slot, DescriptorSets& sets,
+             VkCommandBuffer commands)
+        : gpu_(gpu),
+          vk_(gpu.vk()),
+          store_(store),
+          swapchain_(swapchain),
+          slot_(slot),
+          sets_(sets),
+          commands_(commands) {}
 
     /// Error: out_of_memory, for views and descriptor sets that could not be made; the commands that need
     /// them are left out.
@@ -59,6 +68,9 @@ class Recorder {
     void operator()(const rhi::FillBufferCommand& command);
     void operator()(const rhi::ClearTextureCommand& command);
     void operator()(const rhi::BlitMipCommand& command);
+    void operator()(const rhi::PresentCommand& command) {
+        swapchain_.record(commands_, store_[command.texture], command.vsync, slot_);
+    }
 
   private:
     void barriers(std::span<const rhi::Barrier> barriers);
@@ -72,6 +84,8 @@ class Recorder {
     const Gpu& gpu_;
     const VolkDeviceTable& vk_;
     Store& store_;
+    Swapchain& swapchain_;
+    size_t slot_;
     DescriptorSets& sets_;
     VkCommandBuffer commands_;
     VkPipeline bound_ = VK_NULL_HANDLE;

@@ -15,8 +15,9 @@ void place(std::vector<T>& objects, uint32_t index, T object) {
 
 class VulkanBackend : public rhi::Backend {
   public:
-    static Result<std::unique_ptr<rhi::Backend>> create(const rhi::DeviceDesc& desc) {
-        auto gpu = Gpu::create(desc);
+    static Result<std::unique_ptr<rhi::Backend>> create(const rhi::DeviceDesc& desc,
+                                                        std::shared_ptr<const Surface> surface) {
+        auto gpu = Gpu::create(desc, std::move(surface));
         if (!gpu) return tl::unexpected(gpu.error());
         std::unique_ptr<VulkanBackend> made(new VulkanBackend(std::move(*gpu), desc.disk_cache));
         auto executor = Executor::create(*made->gpu_, made->store_);
@@ -82,12 +83,13 @@ class VulkanBackend : public rhi::Backend {
 
 }  // namespace
 
-Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc) {
-    return VulkanBackend::create(desc);
+Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc,
+                                                     std::shared_ptr<const Surface> surface) {
+    return VulkanBackend::create(desc, std::move(surface));
 }
 
 std::vector<rhi::DeviceInfo> list_devices() {
-    auto instance = Instance::create(false, {});
+    auto instance = Instance::create(false, {}, {});
     return instance ? list_devices(**instance) : std::vector<rhi::DeviceInfo>();
 }
 

@@ -4,12 +4,14 @@
 #include <memory>
 #include <vector>
 
+#include "backends/surface.hpp"
 #include "rhi/backend.hpp"
 
 namespace lumo::backends::vulkan {
 
-/// Headless: no surface extension.
-Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc);
+/// Without a surface, without any surface extension.
+Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc,
+                                                     std::shared_ptr<const Surface> surface);
 std::vector<rhi::DeviceInfo> list_devices();
 
 }  // namespace lumo::backends::vulkan
