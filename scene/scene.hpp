@@ -160,7 +160,7 @@ Camera default_camera(const Scene& scene);
 /// Whether anything shines: a light of any kind, an emitter on an instance, or the environment.
 bool has_light(const Scene& scene);
 
-/// The sun for a scene without any light: from steeply above, so that it also reaches the floor of a narrow court.
-Light default_sun();
+/// A sun from steeply above, so that it also reaches the floor of a narrow court, and a sky: for a scene without light.
+void add_daylight(Scene& scene);
 
 }  // namespace lumo::scene

@@ -57,7 +57,7 @@ Hit nearest_hit(const std::vector<Triangle>& triangles, glm::vec3 origin, glm::v
     return nearest;
 }
 
-/// A camera inside a scene whose middle is surrounded, at the end of the longest clear line through it.
+/// A camera inside a scene whose middle is surrounded, looking along the longest clear line through it.
 bool look_along_room(const Scene& scene, const Bounds& bounds, Camera& camera) {
     // Beyond it the rays would take longer than the picture.
     constexpr uint64_t most_triangles = 2'000'000;
@@ -93,7 +93,8 @@ bool look_along_room(const Scene& scene, const Bounds& bounds, Camera& camera) {
         }
     }
     const float behind = std::min(hits[size_t(longest + directions / 2) % directions].distance, length);
-    camera.position = eye - 0.9f * behind * direction(longest);
+    // Away from the wall behind, and from the arches that tend to stand there.
+    camera.position = eye - 0.6f * behind * direction(longest);
     camera.target = eye + 0.05f * length * glm::vec3(0, 1, 0);
     camera.vertical_fov = glm::radians(60.0f);
     camera.near_plane = 1e-3f * length;
@@ -132,11 +133,12 @@ bool has_light(const Scene& scene) {
            std::any_of(scene.instances.begin(), scene.instances.end(), emits);
 }
 
-Light default_sun() {
-    // White paper facing it has a radiance of about 4.
-    return {.name = "default sun",
-            .intensity = {13, 12.2f, 11},
-            .direction = -glm::normalize(glm::vec3(0.25f, 1, 0.15f))};
+void add_daylight(Scene& scene) {
+    // White paper that faces the sun has a radiance of about 4, in the shade of an open sky about 1.
+    scene.lights.push_back({.name = "daylight",
+                            .intensity = {13, 12.2f, 11},
+                            .direction = -glm::normalize(glm::vec3(0.25f, 1, 0.15f))});
+    scene.environment_radiance = {0.8f, 1, 1.25f};
 }
 
 }  // namespace lumo::scene

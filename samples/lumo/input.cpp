@@ -51,9 +51,9 @@ Result<scene::Scene> load_scene(const Options& options) {
     }();
     if (scene && options.sun) replace_sun(*scene, *options.sun);
     if (scene && !options.sun && !has_light(*scene)) {
-        scene->lights.push_back(scene::default_sun());
+        add_daylight(*scene);
         scene->warnings.emplace_back(
-            "it has no light: a sun from above is added (--sun sets another, --sun none keeps it dark)");
+            "it has no light: daylight is added (--sun sets another, --sun none keeps it dark)");
     }
     return scene;
 }
