@@ -179,7 +179,7 @@ TEST(FormFactor, OfParallelUnitSquares) {
     place(scene, floor_square(1), add_diffuse_material(scene, "white", glm::vec3(1)));
     const Geometry above = reversed(floor_square(1, {0, 1, 0}));
     place(scene, above, add_lamp(scene, glm::vec3(1)));
-    // Looks up and down at once: orthographic, from just below the lamp.
+    // From between the two.
     const scene::Camera camera{.position = {0, 0.5f, 0}, .target = {0, 0, 0}, .orthographic_height = 1};
     PathTracerSettings settings = tiny(64);
     settings.width = settings.height = 32;
