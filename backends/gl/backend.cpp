@@ -505,6 +505,7 @@ void GlBackend::run(const rhi::PresentCommand& command) {
                                               .layers = 1})};
     const bool stretched = desc.extent != window;
     state_.open_masks();
+    state_.framebuffer(0);  // bound, because Mesa notices a new size of the window's buffers only then
     glDisable(GL_FRAMEBUFFER_SRGB);
     glBlitNamedFramebuffer(resources_.framebuffer({&picture, 1}, nullptr, {}, 1), 0, 0, 0,
                            GLint(desc.extent.width), GLint(desc.extent.height), 0, 0, GLint(window.width),

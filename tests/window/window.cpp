@@ -99,6 +99,8 @@ class WindowTest : public testing::TestWithParam<Api> {
     void present(bool vsync = true) {
         window().poll();
         rhi::Commands commands = device().begin();
+        // As every frame does, it draws somewhere else first.
+        commands.raster_pass("draw", {.color = {{.view = picture_.view(), .load = rhi::Load::keep}}});
         commands.present(picture_, vsync);
         must(device().wait(device().submit(std::move(commands))));
     }
