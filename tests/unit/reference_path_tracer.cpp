@@ -211,6 +211,22 @@ TEST(FormFactor, OfPerpendicularUnitSquares) {
     EXPECT_NEAR(mean_of(result, TracedLayer::irradiance) / pi, expected, 0.005 * expected);
 }
 
+// A wall under a sun that grazes the floor is a lamp for it, once light may be reflected before.
+TEST(FormFactor, OfALitWall) {
+    Scene scene;
+    const uint32_t white = add_diffuse_material(scene, "white", glm::vec3(1));
+    place(scene, floor_square(1), white);
+    const uint32_t grey = add_diffuse_material(scene, "grey", glm::vec3(0.5f));
+    place(scene, parallelogram({-0.5f, 0, -0.5f}, {1, 0, 0}, {0, 1, 0}), grey);
+    scene.lights.push_back({.intensity = glm::vec3(2), .direction = {0, 0, -1}});
+    const scene::Camera camera{.position = {0, 0.5f, 0}, .target = {0, 0, 0}, .orthographic_height = 1};
+    PathTracerSettings settings = tiny(64);
+    settings.width = settings.height = 32;
+    EXPECT_EQ(mean_of(traced(scene, camera, settings), TracedLayer::irradiance), 0);
+    settings.bounces = 1;
+    EXPECT_NEAR(mean_of(traced(scene, camera, settings), TracedLayer::irradiance), 0.20004, 0.005 * 0.20004);
+}
+
 // -- many reflections -------------------------------------------------------------------------------------
 
 class EnclosedSphere : public ::testing::TestWithParam<int> {};
@@ -385,6 +401,83 @@ TEST(Surfaces, OfMirroredLampsLightWhatTheyFace) {
         mean_of(traced(scene, spot_camera(glm::vec3(0), {6, 1, 0}), tiny(256)), TracedLayer::irradiance);
     EXPECT_GT(plain, 0);
     EXPECT_NEAR(mirrored / plain, 1, 0.01);
+}
+
+TEST(Surfaces, OfOneSideEmitAtTheirFrontAlone) {
+    Scene scene;
+    place(scene, floor_square(1), add_diffuse_material(scene, "white", glm::vec3(1)));
+    const uint32_t lamp = add_lamp(scene, glm::vec3(1));
+    place(scene, floor_square(1, {0, 1, 0}), lamp);
+    const scene::Camera camera = spot_camera(glm::vec3(0), {2, 1, 0});
+    EXPECT_EQ(mean_of(traced(scene, camera, tiny(64)), TracedLayer::irradiance), 0);
+    scene.materials[lamp].double_sided = true;
+    EXPECT_NEAR(mean_of(traced(scene, camera, tiny(256)), TracedLayer::irradiance), 0.2395 * pi, 0.01);
+}
+
+TEST(Surfaces, GetNoLightFromBehindTheirTriangles) {
+    Scene scene;
+    Geometry leaning = floor_square(1);
+    for (scene::Vertex& vertex : leaning.vertices) vertex.normal = glm::normalize(glm::vec3(1, 1, 0));
+    place(scene, leaning, add_diffuse_material(scene, "white", glm::vec3(1)));
+    scene.lights.push_back({.intensity = glm::vec3(1), .direction = glm::normalize(glm::vec3(-1, 0.1f, 0))});
+    EXPECT_EQ(mean_of(traced(scene, spot_camera(), tiny(2)), TracedLayer::direct), 0);
+    scene.lights[0].direction = {0, -1, 0};
+    EXPECT_NEAR(mean_of(traced(scene, spot_camera(), tiny(2)), TracedLayer::direct), std::sqrt(0.5) / pi,
+                1e-6);
+    // Of the hemisphere about a normal at 45 degrees, the part behind the plane is black.
+    scene.lights.clear();
+    scene.environment_radiance = glm::vec3(1);
+    EXPECT_NEAR(mean_of(traced(scene, spot_camera(), tiny(256)), TracedLayer::irradiance),
+                pi * (1 + std::sqrt(0.5)) / 2, 0.01);
+}
+
+TEST(Surfaces, LeanAsTheirNormalMapsSay) {
+    Scene scene;
+    const uint32_t mapped = add_diffuse_material(scene, "mapped", glm::vec3(1));
+    // (0.6, 0.2, 0.8) before its length is taken away.
+    scene.images.push_back({.width = 1, .height = 1, .values = {204, 153, 230, 255}});
+    scene.textures.push_back({.image = 0, .sampler = {}});
+    scene.materials[mapped].normal_texture = scene::TextureSlot{};
+    scene.materials[mapped].normal_scale = 0.5f;
+    place(scene, floor_square(1), mapped);
+    PathTracerSettings settings = tiny(2);
+    settings.layers = {TracedLayer::normal};
+    settings.diffuse_materials = false;
+    const auto normal = [&] {
+        const float* values = traced(scene, spot_camera(), settings).layers[0].mean.at(1, 1);
+        return glm::dvec3(values[0], values[1], values[2]);
+    };
+    // u runs along +X and v, whose opposite is the bitangent, along +Z.
+    const glm::dvec3 expected = glm::normalize(glm::dvec3(0.5 * 0.6, 230 / 127.5 - 1, -0.5 * 0.2));
+    EXPECT_LT(glm::length(normal() - expected), 1e-5);
+    settings.diffuse_materials = true;
+    EXPECT_EQ(normal(), glm::dvec3(0, 1, 0));
+    // A mirror in x turns the tangent, and not the bitangent.
+    settings.diffuse_materials = false;
+    scene.instances[0].world_from_object[0][0] = -1;
+    EXPECT_LT(glm::length(normal() - expected * glm::dvec3(-1, 1, 1)), 1e-5);
+}
+
+TEST(Surfaces, TakeMetalAndRoughnessFromTextures) {
+    Scene scene;
+    const uint32_t mapped = add_diffuse_material(scene, "mapped", glm::vec3(1));
+    scene.images.push_back({.width = 1, .height = 1, .values = {0, 51, 255, 255}});
+    scene.textures.push_back({.image = 0, .sampler = {}});
+    scene.materials[mapped].metallic = scene.materials[mapped].roughness = 1;
+    scene.materials[mapped].metallic_roughness_texture = scene::TextureSlot{};
+    place(scene, floor_square(1), mapped);
+    PathTracerSettings settings = tiny(2);
+    settings.diffuse_materials = false;
+    // At the mirror direction GGX is 1 / (pi alpha²), and the visibility with n·l = n·v = 0.5 closed too.
+    const glm::vec3 to_eye = glm::normalize(glm::vec3(std::sqrt(3.0f), 1, 0));
+    scene.lights.push_back({.intensity = glm::vec3(1), .direction = {to_eye.x, -to_eye.y, 0}});
+    const double roughness = 0.2, k = 1.2 * 1.2 / 8;
+    const double expected = 1 / (pi * std::pow(roughness, 4)) * 0.25 / std::pow(0.5 * (1 - k) + k, 2) * 0.5;
+    const scene::Camera camera = spot_camera(glm::vec3(0), 3.0f * to_eye);
+    const PathTraced result = traced(scene, camera, settings);
+    EXPECT_NEAR(mean_of(result, TracedLayer::direct), expected, 1e-3 * expected);
+    settings.diffuse_materials = true;
+    EXPECT_NEAR(mean_of(traced(scene, camera, settings), TracedLayer::direct), 0.5 / pi, 1e-5);
 }
 
 /// A floor under the sun with a sheet above it whose texture's left half has that alpha, the right half 255.
