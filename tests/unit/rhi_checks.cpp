@@ -162,9 +162,13 @@ TEST_F(Checks, TexturesAndImages) {
 
     state.caps[Format::rgba8_unorm] = FormatCaps::sampled;
     expect(Check::format_unsupported, "source", dispatch(in, out, linear));
-    expect(Check::format_unsupported, "source",
-           dispatch(in, out,
-                    sampler({.magnification = FilterMode::nearest, .minification = FilterMode::linear})));
+    const FilterMode n = FilterMode::nearest, l = FilterMode::linear;
+    for (const SamplerDesc& filters :
+         {SamplerDesc{.magnification = l, .minification = n},
+          SamplerDesc{.magnification = n, .minification = l},
+          SamplerDesc{.magnification = n, .minification = n, .mip = l},
+          SamplerDesc{.magnification = n, .minification = n, .max_anisotropy = 4}})
+        expect(Check::format_unsupported, "source", dispatch(in, out, sampler(filters)));
     state.caps[Format::r32_uint] = FormatCaps::sampled;
     expect(Check::format_unsupported, "target", dispatch(in, out, nearest));
 }
@@ -290,6 +294,7 @@ TEST_F(Checks, TextureRegions) {
     expect(Check::copy_out_of_range, "picture", read(picture, {.x = 16, .extent = {1, 1, 1}}));
     expect(Check::copy_out_of_range, "picture", read(picture, {.y = 7, .extent = {1, 2, 1}}));
     expect(Check::copy_out_of_range, "picture", read(picture, {.x = 0xffffffff, .extent = {2, 1, 1}}));
+    expect(Check::copy_out_of_range, "picture", read(picture, {.x = 1, .extent = {0xffffffff, 1, 1}}));
     expect(Check::copy_out_of_range, "picture", read(picture, {.extent = {1, 1, 2}}));
     expect(Check::copy_out_of_range, "picture", read(picture, {.extent = {0, 1, 1}}));
     expect(Check::copy_out_of_range, "layers",

@@ -100,6 +100,7 @@ TEST(Plan, ReadsInDifferentLayoutsTakeATransition) {
     EXPECT_EQ(last.before_layout, Layout::copy_source);
     EXPECT_EQ(last.after_layout, Layout::read_only);
     EXPECT_TRUE(has(last.before, Access::copy_read));
+    EXPECT_FALSE(has(last.before, Access::sampled_read)) << "the transition before it waited for that";
     EXPECT_TRUE(has(last.before, Access::copy_write))
         << "an API without layouts still has to flush the write";
 }
@@ -159,6 +160,14 @@ TEST(MergeUses, UnitesReads) {
                                              .access = Access::storage_read | Access::uniform_read,
                                              .stages = Stages::vertex | Stages::compute},
                                          compute(other, Access::uniform_read)));
+}
+
+TEST(MergeUses, TakesTheGeneralLayoutWhereReadsDisagree) {
+    const Use copied{.memory = mip0, .access = Access::copy_read, .layout = Layout::copy_source};
+    const MergedUses merged =
+        merge_uses(std::vector{copied, compute(mip0, Access::sampled_read, Layout::read_only)});
+    ASSERT_THAT(merged.uses, SizeIs(1));
+    EXPECT_EQ(merged.uses[0].layout, Layout::general);
 }
 
 TEST(MergeUses, ObjectsToAWriteBesideAnotherUse) {
