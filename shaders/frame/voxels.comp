@@ -23,23 +23,25 @@ void main() {
 
     VoxelGrid grid = VoxelGrid(push.grid_origin, push.voxels_per_metre);
     int resolution = textureSize(radiance, 0).x;
-    vec3 near = grid_from_world(grid, world_from_pixel(vec2(pixel) + 0.5, 0.0));
-    vec3 far = grid_from_world(grid, world_from_pixel(vec2(pixel) + 0.5, 1.0));
-    vec3 direction = normalize(far - near);
+    // `precise`, and no unit vector: which voxel a ray enters next must not hang on how a compiler rounds.
+    precise vec3 near = grid_from_world(grid, world_from_pixel(vec2(pixel) + 0.5, 0.0));
+    precise vec3 far = grid_from_world(grid, world_from_pixel(vec2(pixel) + 0.5, 1.0));
+    precise vec3 direction = far - near;
     // An axis along which the ray does not move is never the next one.
     direction = mix(direction, vec3(1e-12), equal(direction, vec3(0)));
 
-    vec3 to_low = (vec3(0) - near) / direction;
-    vec3 to_high = (vec3(resolution) - near) / direction;
+    precise vec3 to_low = (vec3(0) - near) / direction;
+    precise vec3 to_high = (vec3(resolution) - near) / direction;
     vec3 entries = min(to_low, to_high), exits = max(to_low, to_high);
     float enter = max(max(entries.x, max(entries.y, entries.z)), 0.0);
     float leave = min(exits.x, min(exits.y, exits.z));
 
     vec3 seen = vec3(0);
     if (enter < leave) {
-        ivec3 voxel = clamp(ivec3(floor(near + direction * enter)), ivec3(0), ivec3(resolution - 1));
+        precise vec3 entry = near + direction * enter;
+        ivec3 voxel = clamp(ivec3(floor(entry)), ivec3(0), ivec3(resolution - 1));
         ivec3 way = ivec3(sign(direction));
-        vec3 next = (vec3(voxel) + max(vec3(way), 0.0) - near) / direction;
+        precise vec3 next = (vec3(voxel) + max(vec3(way), 0.0) - near) / direction;
         for (int i = 0; i < 3 * 1024 && inside_grid(voxel, resolution); ++i) {
             vec4 stored = texelFetch(radiance, voxel, 0);
             if (stored.a > 0.0) {

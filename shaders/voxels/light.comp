@@ -37,9 +37,18 @@ void main() {
     precise vec3 world = m[0].xyz * ndc.x + m[1].xyz * ndc.y + m[2].xyz * depth + m[3].xyz;
     precise vec3 position = (world - push.grid_origin) * push.voxels_per_metre;
 
-    // A surface on or near a voxel's face can fall to the other side of it than its voxelization did, and a grazing
-    // one pass a corner that no centre line met: half a voxel along the ray finds it.
+    // The part of a surface that cuts a voxel's corner may meet none of its centre lines, and a surface on a face may
+    // have been voxelized to the other side of it. Its light goes to the nearest voxel that the surface does mark:
+    // across the nearest face, the next, the last.
     if (count_at(position)) return;
-    if (count_at(position - 0.5 * push.direction_to_sun)) return;
-    count_at(position + 0.5 * push.direction_to_sun);
+    vec3 offset = fract(position) - 0.5;
+    vec3 nearness = abs(offset);
+    for (int i = 0; i < 3; ++i) {
+        float nearest = max(nearness.x, max(nearness.y, nearness.z));
+        bvec3 across = nearness.x == nearest   ? bvec3(true, false, false)
+                       : nearness.y == nearest ? bvec3(false, true, false)
+                                               : bvec3(false, false, true);
+        if (count_at(position + sign(offset) * vec3(across))) return;
+        nearness = mix(nearness, vec3(-1), across);
+    }
 }
