@@ -78,7 +78,7 @@ Image16 half(const Image16& image) {
     out.values.resize(size_t(out.width) * out.height * 4);
     const std::vector<Span> columns = spans(image.width, out.width);
     const std::vector<Span> rows = spans(image.height, out.height);
-    const uint64_t total = uint64_t(image.width) * image.height;
+    const uint64_t total = std::max<uint64_t>(image.values.size() / 4, 1);
     for (uint32_t y = 0; y < out.height; ++y) {
         for (uint32_t x = 0; x < out.width; ++x) {
             std::array<uint64_t, 4> sum{};
@@ -127,7 +127,7 @@ void keep_coverage(Image8& image, double wanted, size_t cutoff) {
 
 std::vector<Image8> lower_mips(const Image8& image, Encoding encoding, std::optional<float> alpha_cutoff) {
     std::vector<Image8> mips;
-    if (image.width <= 1 && image.height <= 1) return mips;
+    if (image.values.empty()) return mips;
     const size_t cutoff = size_t(std::clamp(std::ceil(255 * alpha_cutoff.value_or(0.5f)), 1.0f, 255.0f));
     const double wanted = alpha_cutoff ? coverage(image)[cutoff] : 0;
     Image16 level = decode(image, encoding);

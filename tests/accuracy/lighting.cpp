@@ -132,6 +132,59 @@ TEST_P(LightingTest, ShadowOfAnOccluderLiesWhereItShould) {
     EXPECT_GT(in_light, 1000);
 }
 
+/// Cut-out parts of a masked surface let the sun through, and blended surfaces cast nothing.
+TEST_P(LightingTest, MaskedSurfacesCastTheirShapeAndBlendedOnesNothing) {
+    for (const bool position_target : {false, true})
+        for (const scene::AlphaMode mode : {scene::AlphaMode::mask, scene::AlphaMode::blend}) {
+            scene::Scene scene;
+            add_floor(scene, 4);
+            scene::Material material{.alpha_mode = mode};
+            material.base_color_texture = add_texel(scene, {});
+            scene.images[0] = {2, 1, 4, {255, 255, 255, 0, 255, 255, 255, 255}};
+            scene.textures[0].sampler = {.magnification = scene::Filter::nearest,
+                                         .minification = scene::Filter::nearest,
+                                         .mip = {},
+                                         .wrap_u = scene::Wrap::clamp_to_edge};
+            // Between the sun and the floor, away from what the camera sees.
+            add_quad(scene, {0, 2, 0}, {1, 0, 0}, {0, 0, -1}, material);
+            const Sun sun{{0, 1, 0}, glm::vec3(1)};
+            scene::Camera camera = from_above(1.5f);
+            camera.orthographic_height = 1.5f;
+            const RenderedTargets targets = render(device(), scene, camera,
+                                                   {.size = size,
+                                                    .sun = sun,
+                                                    .diffuse_materials = true,
+                                                    .shadow = {.position_target = position_target}});
+            const bool cut = mode == scene::AlphaMode::mask;
+            EXPECT_EQ(targets.direct.at(60, 32).x > 0, !cut) << "the opaque half";
+            EXPECT_GT(targets.direct.at(36, 32).x, 0) << "the cut half";
+        }
+}
+
+/// The target of positions holds what the depth beside it says.
+TEST_P(LightingTest, PositionTargetAgreesWithDepth) {
+    scene::Scene scene;
+    add_floor(scene, 3);
+    add_quad(scene, {0.5f, 1, 0}, {1, 0.3f, 0}, {0, 0.2f, -0.6f}, {});
+    const RenderedTargets targets = render(device(), scene, from_above(5),
+                                           {.size = size,
+                                            .sun = Sun{{0.4f, 1, 0.7f}, glm::vec3(1)},
+                                            .shadow = {.resolution = 128, .position_target = true}});
+    ASSERT_EQ(targets.shadow_position.texels.size(), size_t(128 * 128));
+    int covered = 0;
+    for (uint32_t y = 0; y < 128; ++y)
+        for (uint32_t x = 0; x < 128; ++x) {
+            const float depth = targets.shadow.at(x, y).x;
+            const glm::vec4 position = targets.shadow_position.at(x, y);
+            ASSERT_EQ(position.w, depth < 1 ? 1 : 0);
+            if (depth == 1) continue;
+            ++covered;
+            const glm::vec4 clip((float(x) + 0.5f) / 64 - 1, (float(y) + 0.5f) / 64 - 1, depth, 1);
+            ASSERT_LT(glm::distance(position, targets.light.world_from_clip * clip), 1e-5f);
+        }
+    EXPECT_GT(covered, 1000);
+}
+
 /// The edge itself: over one edge of a shadow, seen close, the light grows steadily from nothing to all.
 TEST_P(LightingTest, ShadowEdgesAreSmoothAndCentred) {
     scene::Scene scene;

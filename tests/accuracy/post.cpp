@@ -36,11 +36,11 @@ struct PostTest : DeviceTest {
         std::vector<glm::vec4> colors;
         for (int i = 0; i < 400; ++i) {
             const float v = std::exp2(-14 + 0.05f * float(i));
-            colors.push_back({v, v, v, 1});
-            colors.push_back({v, 0.3f * v, 0.05f * v, 1});
-            colors.push_back({0, 0.5f * v, v, 1});
+            colors.emplace_back(v, v, v, 1);
+            colors.emplace_back(v, 0.3f * v, 0.05f * v, 1);
+            colors.emplace_back(0, 0.5f * v, v, 1);
         }
-        colors.push_back({0, 0, 0, 1});
+        colors.emplace_back(0, 0, 0, 1);
         const auto pictures = display(colors, {.exposure = 1, .tonemap = tonemap});
         for (size_t i = 0; i < colors.size(); ++i) {
             Color color;
@@ -117,8 +117,8 @@ TEST_P(PostTest, Agx) {
 
 TEST_P(PostTest, CurvesGrowAndEndInWhite) {
     std::vector<glm::vec4> colors;
-    for (int i = 0; i < 600; ++i)
-        colors.push_back(glm::vec4(glm::vec3(std::exp2(-16 + 0.06f * float(i))), 1));
+    colors.reserve(600);
+    for (int i = 0; i < 600; ++i) colors.emplace_back(glm::vec3(std::exp2(-16 + 0.06f * float(i))), 1);
     for (int i = 0; i < tonemap_count; ++i) {
         const auto pictures = display(colors, {.tonemap = Tonemap(i)});
         for (size_t j = 1; j < pictures.size(); ++j)

@@ -116,7 +116,7 @@ struct RenderOptions {
 
 struct RenderedTargets {
     Picture base_color_metallic, normal_roughness, geometric_normal_occlusion, emission, depth, shadow,
-        radiance, direct, indirect;
+        shadow_position, radiance, direct, indirect;
     gbuffer::CameraBlock camera;
     shadow::LightCamera light;
 };
@@ -156,6 +156,8 @@ inline RenderedTargets render(rhi::Device& device, const scene::Scene& scene, co
     result.depth = download(device, gbuffer.depth());
     if (needs.emission) result.emission = download(device, gbuffer.emission());
     if (options.sun) result.shadow = download(device, shadow.depth());
+    if (options.sun && options.shadow.position_target)
+        result.shadow_position = download(device, shadow.position());
     result.radiance = download(device, lighting.radiance());
     result.direct = download(device, lighting.direct());
     result.indirect = download(device, lighting.indirect());
