@@ -94,24 +94,29 @@ bool is_glb(const std::filesystem::path& file, std::span<const std::byte> bytes)
     return extension == ".glb" || (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0);
 }
 
-// How many objects and arrays are open at once at most; text that is not JSON gets some number.
-uint32_t json_depth(std::string_view text) {
-    int64_t depth = 0, deepest = 0;
+struct JsonExtent {
+    int64_t depth = 0;   // objects and arrays open at once at most
+    int64_t values = 1;  // at least as many as there are
+};
+
+// What parsing will cost, without parsing; of text that is not JSON it says something of no use.
+JsonExtent json_extent(std::string_view text) {
+    JsonExtent extent;
+    int64_t open = 0;
     bool in_string = false;
     for (size_t i = 0; i < text.size(); ++i) {
         const char c = text[i];
         if (in_string) {
             if (c == '\\') ++i;
             if (c == '"') in_string = false;
-        } else if (c == '"') {
-            in_string = true;
-        } else if (c == '{' || c == '[') {
-            deepest = std::max(deepest, ++depth);
-        } else if (c == '}' || c == ']') {
-            --depth;
+            continue;
         }
+        if (c == '"') in_string = true;
+        if (c == '{' || c == '[') extent.depth = std::max(extent.depth, ++open);
+        if (c == '}' || c == ']') --open;
+        extent.values += c == ',' || c == '{' || c == '[';
     }
-    return uint32_t(deepest);
+    return extent;
 }
 
 Result<json> parse_json(std::span<const std::byte> bytes, const std::string& file, const Limits& limits,
@@ -123,10 +128,17 @@ Result<json> parse_json(std::span<const std::byte> bytes, const std::string& fil
             "keep geometry in binary buffers");
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (text.starts_with("\xef\xbb\xbf")) warnings.add("the JSON begins with a byte order mark");
-    if (json_depth(text) > limits.max_json_depth)
+    const JsonExtent extent = json_extent(text);
+    if (extent.depth > int64_t(limits.max_json_depth))
         return fail(ErrorKind::limit, file,
-                    fmt::format("nests its JSON deeper than the limit of {}", limits.max_json_depth),
+                    fmt::format("nests its JSON {} deep, beyond the limit of {}", extent.depth,
+                                limits.max_json_depth),
                     std::string(export_again));
+    if (extent.values > int64_t(limits.max_json_values))
+        return fail(ErrorKind::limit, file,
+                    fmt::format("has {} values in its JSON, beyond the limit of {}", extent.values,
+                                limits.max_json_values),
+                    "keep geometry in binary buffers");
     try {
         return json::parse(text.begin(), text.end());
     } catch (const json::exception& exception) {
@@ -233,7 +245,7 @@ std::vector<ImageSource> take_images(const json& document) {
     return images;
 }
 
-Result<tinygltf::Model> parse_model(json& document, const std::string& file) {
+Result<tinygltf::Model> parse_model(json document, const std::string& file) {
     for (const char* member : {"buffers", "images"}) document.erase(member);
     // tinygltf refuses indices whose accessor has no buffer view, which glTF reads as zeros: they get one,
     // and lose it again below.
@@ -248,6 +260,7 @@ Result<tinygltf::Model> parse_model(json& document, const std::string& file) {
     tinygltf::TinyGLTF parser;
     std::string errors, ignored;
     const std::string text = document.dump();
+    document = nullptr;  // tinygltf is about to make its own
     if (!parser.LoadASCIIFromString(&model, &errors, &ignored, text.c_str(), unsigned(text.size()), "",
                                     tinygltf::NO_REQUIRE))
         return fail(ErrorKind::invalid_file, file, "cannot be parsed: " + printable(errors),
@@ -286,7 +299,7 @@ Result<Document> read_document(const std::filesystem::path& file, const Limits& 
         return tl::unexpected(checked.error());
     document.buffers = take_buffers(*parsed);
     document.images = take_images(*parsed);
-    auto model = parse_model(*parsed, document.file);
+    auto model = parse_model(std::move(*parsed), document.file);
     if (!model) return tl::unexpected(model.error());
     document.model = std::move(*model);
     return document;

@@ -176,6 +176,16 @@ TEST(HostileSize, VerticesAndIndicesAreCountedOverTheWholeScene) {
     EXPECT_THAT(error_of(file.load({.max_buffer_bytes = 100})).message, HasSubstr("limit of 100"));
 }
 
+TEST(HostileSize, JsonMayNotBeOfVeryManyValues) {
+    const TemporaryFolder folder;
+    std::string text = R"({"asset":{"version":"2.0"},"extras":[)";
+    for (int i = 0; i < 1000; ++i) text += i % 2 ? "{}," : "[],";
+    const auto file = folder.write("many.gltf", text + "0]}");
+    EXPECT_TRUE(load_gltf(file));
+    EXPECT_THAT(error_of(load_gltf(file, {.max_json_values = 1000})).message,
+                HasSubstr("beyond the limit of 1000"));
+}
+
 TEST(HostileSize, ImagesAreCountedTogether) {
     GltfFile file;
     const std::string png = make_png(8, 8, 8, 2, std::string(192, 'x'));
