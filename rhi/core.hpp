@@ -20,6 +20,8 @@ namespace lumo::rhi {
 /// have someone to hand it to.
 class DeviceCore {
   public:
+    using AnyDraw = std::variant<Draw, DrawIndexed, DrawIndirect>;
+
     DeviceCore(std::unique_ptr<Backend> backend, MessageSink sink);
     ~DeviceCore();
 
@@ -76,7 +78,6 @@ class DeviceCore {
     Result<Readback> read(uint64_t id, BufferSlice source);
     Result<Readback> read(uint64_t id, TextureHandle source, const TextureRegion& region);
 
-    template <class AnyDraw>
     Result<void> draw(uint64_t id, PipelineHandle pipeline, std::span<const BindingValue> bindings,
                       std::span<const std::byte> push, const AnyDraw& draw);
     Result<void> viewport(uint64_t id, const Viewport& viewport);
@@ -109,7 +110,13 @@ class DeviceCore {
 
     /// Runs `body` (OpenPass& -> Verdict) on pass `id` if that is open, and reports what it finds.
     template <class Body>
-    Result<void> record(uint64_t id, Body body);
+    Result<void> record(uint64_t id, Body body) {
+        if (!pass_ || id == 0 || pass_->id != id)
+            return drop("pass", {Check::commands_spent, "it has ended, or could not be opened"});
+        Verdict bad = body(*pass_);
+        if (bad) return drop(pass_->name, *bad);
+        return {};
+    }
     uint64_t start_pass(uint64_t serial, std::string_view name, std::unique_ptr<OpenPass> pass);
     void add(OpenPass& pass, std::string_view what, std::span<const Use> uses, bool unordered,
              const Command& command);

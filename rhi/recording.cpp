@@ -7,21 +7,9 @@
 namespace lumo::rhi {
 namespace {
 
-constexpr uint64_t indirect_alignment = 4;  ///< bytes
 /// Of staged bytes: a multiple of every format's texel.
 constexpr uint64_t staging_alignment = 16;
 constexpr uint64_t group_arguments = 12;  ///< bytes: three counts
-
-uint64_t index_bytes(IndexType type) { return type == IndexType::uint16 ? 2 : 4; }
-
-template <class... Args>
-Fault fault(Check check, fmt::format_string<Args...> format, Args&&... args) {
-    return {check, fmt::format(format, std::forward<Args>(args)...)};
-}
-
-Fault stale(std::string_view what) {
-    return fault(Check::stale_handle, "{} that is gone or another device's", what);
-}
 
 /// A layout follows from the access and the texture's usage alone, so that descriptors know it as well.
 Layout layout_of(Access access, TextureUsage usage) {
@@ -50,10 +38,6 @@ MemoryId memory_of(BufferHandle buffer) { return {MemoryId::Kind::buffer, buffer
 
 Use buffer_use(BufferHandle buffer, Access access) { return {.memory = memory_of(buffer), .access = access}; }
 
-bool covers_mips(const TextureDesc& texture, const TextureView& view) {
-    return view.layers == texture.layers;
-}
-
 }  // namespace
 
 // -- passes
@@ -78,23 +62,6 @@ uint64_t DeviceCore::start_pass(uint64_t serial, std::string_view name, std::uni
 
 uint64_t DeviceCore::open_pass(uint64_t serial, std::string_view name) {
     return start_pass(serial, name, std::make_unique<OpenPass>());
-}
-
-uint64_t DeviceCore::open_raster_pass(uint64_t serial, std::string_view name, const RasterTargets& targets) {
-    auto pass = std::make_unique<OpenPass>();
-    pass->raster = true;
-    pass->targets = targets;
-    Verdict bad = check_targets(pass->targets, pass->uses);
-    if (!bad) {
-        MergedUses merged = merge_uses(pass->uses);
-        if (merged.conflict) bad = conflict(merged.conflicting);
-        pass->uses = std::move(merged.uses);
-    }
-    if (bad) {
-        drop(name, *bad);
-        return 0;
-    }
-    return start_pass(serial, name, std::move(pass));
 }
 
 void DeviceCore::end_pass(uint64_t id) {
@@ -133,15 +100,6 @@ void DeviceCore::add(OpenPass& pass, std::string_view what, std::span<const Use>
                 .uses = {uses.begin(), uses.end()},
                 .unordered = unordered};
     pass.steps.push_back({enter(pass, std::move(scope)), command});
-}
-
-template <class Body>
-Result<void> DeviceCore::record(uint64_t id, Body body) {
-    if (!pass_ || id == 0 || pass_->id != id)
-        return drop("pass", {Check::commands_spent, "it has ended, or could not be opened"});
-    Verdict bad = body(*pass_);
-    if (bad) return drop(pass_->name, *bad);
-    return {};
 }
 
 template <class T>
@@ -264,7 +222,7 @@ Result<void> DeviceCore::dispatch_indirect(uint64_t id, PipelineHandle pipeline,
     return record(id, [&](OpenPass& pass) -> Verdict {
         Bound bound;
         if (auto bad = bind(pass, pipeline, bindings, push, bound)) return bad;
-        if (auto bad = use_slice(arguments, BufferUsage::indirect, Access::indirect_read, indirect_alignment,
+        if (auto bad = use_slice(arguments, BufferUsage::indirect, Access::indirect_read, sizeof(uint32_t),
                                  bound.uses))
             return bad;
         if (arguments.size < group_arguments)
@@ -407,7 +365,7 @@ Result<void> DeviceCore::clear(uint64_t id, const TextureView& view, const Clear
         std::vector<Use> uses;
         for (uint32_t mip = 0; mip < view.mips; ++mip)
             uses.push_back(texture_use(view, view.first_mip + mip, Access::copy_write,
-                                       covers_mips(texture->desc, view)));
+                                       covers_layers(texture->desc, view)));
         add(pass, "clear", uses, false, ClearTextureCommand{view, *typed});
         return {};
     });
@@ -486,279 +444,6 @@ Result<void> DeviceCore::present(uint64_t serial, TextureHandle handle, bool vsy
     });
     end_pass(id);
     return recorded;
-}
-
-// -- raster
-
-Verdict DeviceCore::check_targets(RasterTargets& targets, std::vector<Use>& uses) {
-    struct Shape {
-        Extent extent;
-        uint32_t layers;
-        uint32_t samples;
-        bool operator==(const Shape&) const = default;
-    };
-    std::optional<Shape> shape;
-    const Limits& limits = info().limits;
-    if (targets.color.size() > limits.max_color_targets)
-        return fault(Check::work_too_large, "{} colour targets; this device takes {}", targets.color.size(),
-                     limits.max_color_targets);
-
-    const auto add_target = [&](const TextureView& view, Load load, bool depth) -> Verdict {
-        const TextureRecord* texture = resources_.find(view.texture);
-        if (!texture) return stale("a target");
-        if (auto bad = check_target(texture->desc, view, format_caps(view.format), depth)) return bad;
-        Extent extent = mip_extent(texture->desc.extent, view.first_mip);
-        const Shape own{extent, view.layers, texture->desc.samples};
-        if (shape && *shape != own)
-            return fault(Check::pipeline_targets,
-                         "target {} has {}x{} texels, {} layers, {} samples beside {}x{}, {}, {}",
-                         quoted(texture->desc.name), extent.width, extent.height, own.layers, own.samples,
-                         shape->extent.width, shape->extent.height, shape->layers, shape->samples);
-        shape = own;
-        uses.push_back(texture_use(view, view.first_mip,
-                                   depth ? Access::depth_attachment : Access::color_attachment,
-                                   load != Load::keep && covers_mips(texture->desc, view)));
-        return {};
-    };
-    for (ColorTarget& target : targets.color) {
-        if (auto bad = add_target(target.view, target.load, false)) return bad;
-        const auto typed = clear_for(target.view.format, target.clear);
-        if (target.load == Load::clear && !typed)
-            return fault(Check::texel_kind, "the value to clear texture {} with does not fit {}",
-                         quoted(resources_.find(target.view.texture)->desc.name),
-                         format_info(target.view.format).name);
-        if (typed) target.clear = *typed;
-    }
-    if (targets.depth)
-        if (auto bad = add_target(targets.depth->view, targets.depth->load, true)) return bad;
-
-    for (const ColorTarget& target : targets.color) {
-        if (!target.resolve) continue;
-        const TextureRecord* texture = resources_.find(target.resolve->texture);
-        if (!texture) return stale("a resolve target");
-        const TextureDesc& desc = texture->desc;
-        if (auto bad = check_target(desc, *target.resolve, format_caps(target.resolve->format), false))
-            return bad;
-        const Shape own{mip_extent(desc.extent, target.resolve->first_mip), target.resolve->layers,
-                        shape->samples};
-        if (desc.samples != 1 || shape->samples == 1 || own != *shape ||
-            target.resolve->format != target.view.format)
-            return fault(
-                Check::pipeline_targets,
-                "texture {} cannot take the average of {}: it needs its size, layers and format, and "
-                "one sample of several",
-                quoted(desc.name), quoted(resources_.find(target.view.texture)->desc.name));
-        if (texel_kind(target.view.format) != TexelKind::floating)
-            return fault(Check::format_unsupported, "integers of texture {} have no average",
-                         quoted(desc.name));
-        uses.push_back(texture_use(*target.resolve, target.resolve->first_mip, Access::color_attachment,
-                                   covers_mips(desc, *target.resolve)));
-    }
-    if (shape) {
-        targets.extent = shape->extent;
-        targets.samples = shape->samples;
-    }
-    targets.extent.depth = 1;
-    if (targets.extent.width == 0 || targets.extent.height == 0)
-        return fault(Check::empty_work, "targets of {}x{} texels", targets.extent.width,
-                     targets.extent.height);
-    if (std::max(targets.extent.width, targets.extent.height) > limits.max_texture_side_2d)
-        return fault(Check::work_too_large, "targets of {}x{} texels; this device takes {} a side",
-                     targets.extent.width, targets.extent.height, limits.max_texture_side_2d);
-    return {};
-}
-
-Verdict DeviceCore::check_draw_targets(const OpenPass& pass, const PipelineRecord& pipeline) const {
-    const RasterState& state = *pipeline.raster;
-    const RasterTargets& targets = pass.targets;
-    const auto differ = [&](std::string what) {
-        return fault(Check::pipeline_targets, "the pipeline of program \"{}\" {}", pipeline.program->name,
-                     what);
-    };
-    if (state.color.size() != targets.color.size())
-        return differ(
-            fmt::format("has {} colour targets and the pass {}", state.color.size(), targets.color.size()));
-    for (size_t i = 0; i < state.color.size(); ++i)
-        if (state.color[i].format != targets.color[i].view.format)
-            return differ(fmt::format("draws into {} and colour target {} is {}",
-                                      format_info(state.color[i].format).name, i,
-                                      format_info(targets.color[i].view.format).name));
-    if (state.depth.has_value() != targets.depth.has_value())
-        return differ(state.depth ? "has a depth target and the pass none"
-                                  : "has no depth target and the pass one");
-    if (state.depth && state.depth->format != targets.depth->view.format)
-        return differ("has a depth target of another format");
-    if (state.samples != targets.samples)
-        return differ(fmt::format("has {} samples and the pass {}", state.samples, targets.samples));
-    return {};
-}
-
-Verdict DeviceCore::use_draw(const Draw& draw, const PipelineBindings& what, std::vector<Use>&,
-                             Command& command) {
-    if (draw.vertices == 0 || draw.instances == 0)
-        return fault(Check::empty_work, "{} vertices, {} instances", draw.vertices, draw.instances);
-    command = DrawCommand{what, draw.vertices, draw.instances, draw.first_vertex};
-    return {};
-}
-
-Verdict DeviceCore::use_draw(const DrawIndexed& draw, const PipelineBindings& what, std::vector<Use>& uses,
-                             Command& command) {
-    const uint64_t size = index_bytes(draw.type);
-    if (draw.count == 0 || draw.instances == 0)
-        return fault(Check::empty_work, "{} indices, {} instances", draw.count, draw.instances);
-    if (auto bad = use_slice(draw.indices, BufferUsage::index, Access::index_read, size, uses)) return bad;
-    if ((uint64_t{draw.first} + draw.count) * size > draw.indices.size)
-        return fault(Check::buffer_out_of_range, "{} indices from {} in {} bytes of buffer {}", draw.count,
-                     draw.first, draw.indices.size, quoted(resources_.find(draw.indices.buffer)->desc.name));
-    command = DrawIndexedCommand{what,           draw.indices, draw.type,         draw.count,
-                                 draw.instances, draw.first,   draw.vertex_offset};
-    return {};
-}
-
-Verdict DeviceCore::use_draw(const DrawIndirect& draw, const PipelineBindings& what, std::vector<Use>& uses,
-                             Command& command) {
-    const bool indexed = bool(draw.indices.buffer);
-    const uint32_t stride = indexed ? 20 : 16;
-    if (draw.draws == 0) return fault(Check::empty_work, "0 indirect draws");
-    if (auto bad =
-            use_slice(draw.arguments, BufferUsage::indirect, Access::indirect_read, indirect_alignment, uses))
-        return bad;
-    if (draw.arguments.size < uint64_t{stride} * draw.draws)
-        return fault(Check::buffer_too_small, "{} bytes of arguments for {} draws of {}", draw.arguments.size,
-                     draw.draws, stride);
-    if (indexed) {
-        if (auto bad =
-                use_slice(draw.indices, BufferUsage::index, Access::index_read, index_bytes(draw.type), uses))
-            return bad;
-        if (draw.indices.offset != 0)
-            return fault(Check::buffer_alignment, "indices of an indirect draw at offset {} of buffer {}",
-                         draw.indices.offset, quoted(resources_.find(draw.indices.buffer)->desc.name));
-    }
-    command = DrawIndirectCommand{what, draw.arguments, draw.draws, stride, draw.indices, draw.type};
-    return {};
-}
-
-template <class AnyDraw>
-Result<void> DeviceCore::draw(uint64_t id, PipelineHandle pipeline, std::span<const BindingValue> bindings,
-                              std::span<const std::byte> push, const AnyDraw& draw) {
-    return record(id, [&](OpenPass& pass) -> Verdict {
-        Bound bound;
-        Command command;
-        if (auto bad = bind(pass, pipeline, bindings, push, bound)) return bad;
-        if (auto bad = check_draw_targets(pass, *resources_.find(pipeline))) return bad;
-        if (auto bad = std::visit(
-                [&](const auto& one) { return use_draw(one, bound.command, bound.uses, command); }, draw))
-            return bad;
-        MergedUses merged = merge_uses(bound.uses);
-        if (merged.conflict) return conflict(merged.conflicting);
-        merged.uses.insert(merged.uses.end(), pass.uses.begin(), pass.uses.end());
-        merged = merge_uses(merged.uses, Sharing::draws);
-        if (merged.conflict) return conflict(merged.conflicting);
-        pass.uses = std::move(merged.uses);
-        pass.steps.push_back({{}, command});
-        return {};
-    });
-}
-
-Result<void> DeviceCore::viewport(uint64_t id, const Viewport& viewport) {
-    return record(id, [&](OpenPass& pass) -> Verdict {
-        const Extent& extent = pass.targets.extent;
-        if (!(viewport.width > 0 && viewport.height > 0))
-            return fault(Check::empty_work, "a viewport of {}x{}", viewport.width, viewport.height);
-        if (!(viewport.x >= 0 && viewport.y >= 0 && viewport.x + viewport.width <= float(extent.width) &&
-              viewport.y + viewport.height <= float(extent.height)))
-            return fault(Check::view_out_of_range, "a viewport of {}x{} at {},{} on targets of {}x{}",
-                         viewport.width, viewport.height, viewport.x, viewport.y, extent.width,
-                         extent.height);
-        pass.steps.push_back({{}, ViewportCommand{viewport}});
-        return {};
-    });
-}
-
-// -- Commands and passes as their users see them
-
-Commands::~Commands() {
-    if (serial_) core_->submit(serial_);
-}
-
-Pass Commands::pass(std::string_view name) {
-    const uint64_t id = core_->open_pass(serial_, name);
-    return {id ? core_ : nullptr, id};
-}
-
-RasterPass Commands::raster_pass(std::string_view name, const RasterTargets& targets) {
-    const uint64_t id = core_->open_raster_pass(serial_, name, targets);
-    return {id ? core_ : nullptr, id};
-}
-
-UniformBuffer Commands::uniform_bytes(std::span<const std::byte> bytes) {
-    return core_->uniform(serial_, bytes).value_or(BufferSlice{});
-}
-
-void Commands::present(const Texture& texture, bool vsync) {
-    (void)core_->present(serial_, texture.handle(), vsync);
-}
-
-void PassBase::end() {
-    if (id_) core_->end_pass(std::exchange(id_, 0));
-}
-
-void Pass::copy(BufferSlice source, BufferSlice destination) {
-    if (core_) (void)core_->copy(id_, source, destination);
-}
-
-void Pass::copy(const Texture& source, const TextureRegion& source_region, const Texture& destination,
-                const TextureRegion& destination_region) {
-    if (core_)
-        (void)core_->copy(id_, source.handle(), source_region, destination.handle(), destination_region);
-}
-
-void Pass::upload(BufferSlice destination, std::span<const std::byte> bytes) {
-    if (core_) (void)core_->upload(id_, destination, bytes);
-}
-
-void Pass::upload(const Texture& destination, const TextureRegion& region,
-                  std::span<const std::byte> texels) {
-    if (core_) (void)core_->upload(id_, destination.handle(), region, texels);
-}
-
-void Pass::fill(BufferSlice destination, uint32_t value) {
-    if (core_) (void)core_->fill(id_, destination, value);
-}
-
-void Pass::clear(const TextureView& view, const ClearValue& value) {
-    if (core_) (void)core_->clear(id_, view, value);
-}
-
-void Pass::generate_mips(const Texture& texture) {
-    if (core_) (void)core_->generate_mips(id_, texture.handle());
-}
-
-Readback Pass::read(BufferSlice source) {
-    return core_ ? core_->read(id_, source).value_or(Readback{}) : Readback{};
-}
-
-Readback Pass::read(const Texture& source, const TextureRegion& region) {
-    return core_ ? core_->read(id_, source.handle(), region).value_or(Readback{}) : Readback{};
-}
-
-void Pass::dispatch(PipelineHandle pipeline, std::span<const BindingValue> bindings,
-                    std::span<const std::byte> push, Groups groups) {
-    if (core_) (void)core_->dispatch(id_, pipeline, bindings, push, groups);
-}
-
-void Pass::dispatch_indirect(PipelineHandle pipeline, std::span<const BindingValue> bindings,
-                             std::span<const std::byte> push, BufferSlice arguments, bool unordered) {
-    if (core_) (void)core_->dispatch_indirect(id_, pipeline, bindings, push, arguments, unordered);
-}
-
-void RasterPass::viewport(const Viewport& viewport) {
-    if (core_) (void)core_->viewport(id_, viewport);
-}
-
-void RasterPass::record(PipelineHandle pipeline, std::span<const BindingValue> bindings,
-                        std::span<const std::byte> push, const AnyDraw& draw) {
-    if (core_) (void)core_->draw(id_, pipeline, bindings, push, draw);
 }
 
 }  // namespace lumo::rhi

@@ -2,17 +2,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <fmt/format.h>
 
 #include "rhi/rhi.hpp"
 
 namespace lumo::rhi {
 namespace {
-
-template <class... Args>
-Fault fault(Check check, fmt::format_string<Args...> format, Args&&... args) {
-    return {check, fmt::format(format, std::forward<Args>(args)...)};
-}
 
 std::string_view dimension_name(Dimension dimension) {
     switch (dimension) {
@@ -443,6 +437,10 @@ std::optional<ClearColor> clear_for(Format format, const ClearColor& value) {
 
 bool covers_mip(const TextureDesc& texture, const TextureRegion& region) {
     return region.layers == texture.layers && region.extent == mip_extent(texture.extent, region.mip);
+}
+
+bool covers_layers(const TextureDesc& texture, const TextureView& view) {
+    return view.layers == texture.layers;
 }
 
 TextureRegion whole_mip(const TextureDesc& desc, uint32_t mip) {

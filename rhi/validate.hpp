@@ -2,6 +2,7 @@
 // resource is made.
 #pragma once
 
+#include <fmt/format.h>
 #include <functional>
 #include <optional>
 #include <span>
@@ -23,6 +24,16 @@ struct Fault {
 };
 /// Nothing where all is well.
 using Verdict = std::optional<Fault>;
+
+/// A broken rule with its text by fmt.
+template <class... Args>
+Fault fault(Check check, fmt::format_string<Args...> format, Args&&... args) {
+    return {check, fmt::format(format, std::forward<Args>(args)...)};
+}
+
+inline Fault stale(std::string_view what) {
+    return fault(Check::stale_handle, "{} that is gone or another device's", what);
+}
 
 /// `"name"`, or a word for what has none.
 std::string quoted(const std::string& name);
@@ -59,7 +70,9 @@ Verdict check_copy(const TextureDesc& source, const TextureRegion& source_region
 std::optional<ClearColor> clear_for(Format format, const ClearColor& value);
 bool is_zero(const ClearColor& value);
 
+/// Whether a region, or each mip of a view, is all that the texture has there.
 bool covers_mip(const TextureDesc& texture, const TextureRegion& region);
+bool covers_layers(const TextureDesc& texture, const TextureView& view);
 TexelKind texel_kind(Format format);
 
 }  // namespace lumo::rhi
