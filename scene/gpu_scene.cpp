@@ -275,10 +275,15 @@ struct InstanceRange {
     uint32_t mirrored = 0;
 };
 
-glm::vec3 center_of(const Scene& scene, const Primitive& primitive, std::span<const glm::mat4> places) {
+Bounds bounds_of(const Scene& scene, const Primitive& primitive) {
     Bounds box;
     for (uint32_t i = 0; i < primitive.index_count; ++i)
         box.add(scene.vertices[scene.indices[primitive.first_index + i]].position);
+    return box;
+}
+
+/// Of the world bounds of a box in several places.
+glm::vec3 center_of(const Bounds& box, std::span<const glm::mat4> places) {
     Bounds world;
     for (const glm::mat4& m : places)
         for (int corner = 0; corner < 8; ++corner)
@@ -313,6 +318,7 @@ Result<GpuScene> GpuScene::create(rhi::Device& device, const Scene& scene, bool 
         for (const Primitive& primitive : scene.meshes[mesh].primitives) {
             if (primitive.index_count == 0) continue;
             const Material& material = scene.materials[primitive.material];
+            const Bounds box = bounds_of(scene, primitive);
             const auto add = [&](uint32_t first, uint32_t count, bool mirrored) {
                 if (count == 0) return;
                 gpu.draws_.push_back({
@@ -327,7 +333,7 @@ Result<GpuScene> GpuScene::create(rhi::Device& device, const Scene& scene, bool 
                     .emits = material.emits(),
                     .unlit = material.unlit,
                     .normal_mapped = slots(material, diffuse_materials)[normal] != nullptr,
-                    .center = center_of(scene, primitive, std::span(places).subspan(first, count)),
+                    .center = center_of(box, std::span(places).subspan(first, count)),
                 });
             };
             const uint32_t first_mirrored = range.first + range.plain;
