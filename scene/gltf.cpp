@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include "scene/gltf_accessor.hpp"
@@ -112,6 +113,12 @@ class Loader {
     Result<Scene> load();
 
   private:
+    struct PlacedCamera {
+        int source = 0;           // index into the file's cameras
+        bool is_endless = false;  // still needs a far plane
+        Camera camera = {};
+    };
+
     // The parent of each node, or -1.
     Result<std::vector<int>> parents() const;
     Result<std::vector<int>> root_nodes(const std::vector<int>& parents);
@@ -123,7 +130,7 @@ class Loader {
     Result<void> add_instance(int node, const glm::dmat4& world);
     void add_camera(int node, const glm::dmat4& world);
     void add_light(int node, const glm::dmat4& world);
-    void bound_cameras();
+    void finish_cameras();
     void check_undrawn_meshes();
     void warn_of_unused_images();
 
@@ -158,7 +165,7 @@ class Loader {
     std::map<int, uint32_t> image_indices_;
     std::map<int, std::optional<uint32_t>> texture_indices_;
     std::vector<bool> camera_is_valid_;
-    std::vector<size_t> endless_cameras_;  // of the scene's, those to get a far plane
+    std::vector<PlacedCamera> cameras_;
     uint64_t image_bytes_left_ = 0;
 };
 
@@ -172,7 +179,7 @@ Result<Scene> Loader::load() {
     if (!roots) return tl::unexpected(roots.error());
     for (const int root : *roots)
         if (auto added = add_tree(root); !added) return tl::unexpected(added.error());
-    bound_cameras();
+    finish_cameras();
     check_undrawn_meshes();
     warn_of_unused_images();
     if (scene_.instances.empty()) warn("there is nothing to draw");
@@ -274,8 +281,8 @@ Result<void> Loader::add_tree(int root) {
         if (!is_finite(world)) return invalid(node_name(step.node) + " has a transform that is not finite");
         if (auto added = add_node(step.node, world); !added) return added;
         const std::vector<int>& children = model_.nodes[size_t(step.node)].children;
-        for (auto child = children.rbegin(); child != children.rend(); ++child)
-            steps.push_back({*child, step.depth + 1, world});
+        for (const int child : children | std::views::reverse)
+            steps.push_back({child, step.depth + 1, world});
     }
     return {};
 }
@@ -346,28 +353,32 @@ void Loader::add_camera(int index, const glm::dmat4& world) {
                   .position = glm::vec3(world[3]),
                   .target = glm::vec3(glm::dvec3(world[3]) + glm::normalize(forward)),
                   .up = glm::vec3(glm::normalize(up))};
-    if (source.type == "perspective") {
+    const bool is_perspective = source.type == "perspective";
+    if (is_perspective) {
         camera.vertical_fov = float(source.perspective.yfov);
         camera.near_plane = float(source.perspective.znear);
         camera.far_plane = float(source.perspective.zfar);
-        if (source.perspective.zfar == 0) endless_cameras_.push_back(scene_.cameras.size());
     } else {
         camera.orthographic_height = float(2 * std::abs(source.orthographic.ymag));
         camera.near_plane = float(source.orthographic.znear);
         camera.far_plane = float(source.orthographic.zfar);
     }
-    scene_.cameras.push_back(std::move(camera));
+    cameras_.push_back({node.camera, is_perspective && source.perspective.zfar == 0, std::move(camera)});
 }
 
-void Loader::bound_cameras() {
-    if (endless_cameras_.empty()) return;
-    const Bounds bounds = world_bounds(scene_);
-    for (const size_t i : endless_cameras_) {
-        Camera& camera = scene_.cameras[i];
-        const glm::vec3 reach = bounds.empty() ? glm::vec3(0)
-                                               : glm::max(glm::abs(bounds.min - camera.position),
-                                                          glm::abs(bounds.max - camera.position));
-        camera.far_plane = std::max({1000.0f, 2 * glm::length(reach), 2 * camera.near_plane});
+// In the file's order, so that its indices name them.
+void Loader::finish_cameras() {
+    std::ranges::stable_sort(cameras_, {}, &PlacedCamera::source);
+    const Bounds bounds = cameras_.empty() ? Bounds{} : world_bounds(scene_);
+    for (PlacedCamera& placed : cameras_) {
+        Camera& camera = placed.camera;
+        if (placed.is_endless) {
+            const glm::vec3 reach = bounds.empty() ? glm::vec3(0)
+                                                   : glm::max(glm::abs(bounds.min - camera.position),
+                                                              glm::abs(bounds.max - camera.position));
+            camera.far_plane = std::max({1000.0f, 2 * glm::length(reach), 2 * camera.near_plane});
+        }
+        scene_.cameras.push_back(std::move(camera));
     }
 }
 

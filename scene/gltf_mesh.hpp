@@ -1,10 +1,10 @@
 // Mesh primitives as triangles. A part of the loader.
 #pragma once
 
-#include <compare>
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "rhi/error.hpp"
@@ -20,7 +20,10 @@ namespace lumo::scene::gltf {
 struct Attributes {
     int position = -1, normal = -1, tangent = -1, uv0 = -1, uv1 = -1, color = -1;
 
-    auto operator<=>(const Attributes&) const = default;
+    bool operator<(const Attributes& o) const {
+        return std::tie(position, normal, tangent, uv0, uv1, color) <
+               std::tie(o.position, o.normal, o.tangent, o.uv0, o.uv1, o.color);
+    }
 };
 
 /// Appends primitives to a scene. Primitives with the same attributes share their vertices, as long as none

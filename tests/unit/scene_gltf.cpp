@@ -252,7 +252,7 @@ TEST(Gltf, CamerasStandWhereTheirNodesAre) {
     file.add("nodes", {{"camera", 1}, {"name", "far"}, {"translation", {0, 0, 5000}}});
     file.add("nodes", {{"camera", 2}});
     file.place(file.mesh({{"POSITION", file.triangle_positions()}}));
-    file.document["scenes"][0]["nodes"] = {0, 1, 2, 3};
+    file.document["scenes"][0]["nodes"] = {2, 1, 0, 3};  // the cameras keep the file's order all the same
     const Scene scene = loaded(file.load());
     ASSERT_THAT(scene.cameras, SizeIs(3));
     const Camera& front = scene.cameras[0];
