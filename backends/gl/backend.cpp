@@ -495,21 +495,16 @@ void GlBackend::run(const rhi::PresentCommand& command) {
     const rhi::Extent window = context_->surface()->size();
     if (window.width == 0 || window.height == 0) return;
     presenting_ = command.vsync;
-    const rhi::TextureDesc& desc = resources_.texture(command.texture).desc;
-    // Texels go as they are stored: neither decoded here nor encoded there.
-    const bool srgb = desc.format == rhi::Format::rgba8_srgb;
-    const Attachment picture{resources_.view({.texture = command.texture,
-                                              .dimension = desc.dimension,
-                                              .format = srgb ? rhi::Format::rgba8_unorm : desc.format,
-                                              .mips = 1,
-                                              .layers = 1})};
-    const bool stretched = desc.extent != window;
+    const Texture& texture = resources_.texture(command.texture);
+    const rhi::Extent& from = texture.desc.extent;
+    const Attachment picture{texture.name};
+    const GLuint source = resources_.framebuffer({&picture, 1}, nullptr, {}, 1);
     state_.open_masks();
     state_.framebuffer(0);  // bound, because Mesa notices a new size of the window's buffers only then
-    glDisable(GL_FRAMEBUFFER_SRGB);
-    glBlitNamedFramebuffer(resources_.framebuffer({&picture, 1}, nullptr, {}, 1), 0, 0, 0,
-                           GLint(desc.extent.width), GLint(desc.extent.height), 0, 0, GLint(window.width),
-                           GLint(window.height), GL_COLOR_BUFFER_BIT, stretched ? GL_LINEAR : GL_NEAREST);
+    glDisable(GL_FRAMEBUFFER_SRGB);  // texels as they are stored, neither decoded nor encoded
+    glBlitNamedFramebuffer(source, 0, 0, 0, GLint(from.width), GLint(from.height), 0, 0, GLint(window.width),
+                           GLint(window.height), GL_COLOR_BUFFER_BIT,
+                           from == window ? GL_NEAREST : GL_LINEAR);
     glEnable(GL_FRAMEBUFFER_SRGB);
 }
 
@@ -525,8 +520,8 @@ rhi::MemoryBudget GlBackend::memory_budget() {
 }  // namespace
 
 Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc,
-                                                     std::shared_ptr<const Surface> surface) {
-    auto context = Context::open(desc, std::move(surface));
+                                                     const std::shared_ptr<const Surface>& surface) {
+    auto context = Context::open(desc, surface);
     if (!context) return tl::unexpected(context.error());
     auto ring = PushRing::create((*context)->info().limits.uniform_alignment);
     if (!ring) return tl::unexpected(ring.error());

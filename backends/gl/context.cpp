@@ -258,7 +258,7 @@ void Context::report_to(rhi::MessageSink sink) {
 }
 
 Result<std::unique_ptr<Context>> Context::open(const rhi::DeviceDesc& desc,
-                                               std::shared_ptr<const Surface> surface) {
+                                               const std::shared_ptr<const Surface>& surface) {
     const std::string wanted = lower(desc.name);
     std::unique_ptr<Context> best;
     std::vector<std::string> found;

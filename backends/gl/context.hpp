@@ -18,7 +18,7 @@ class Context {
     /// not software, else the first. The context is current afterwards, in the state that the backend
     /// expects. With a surface, the device is the one of its display. Errors: no_device, with what was found.
     static Result<std::unique_ptr<Context>> open(const rhi::DeviceDesc& desc,
-                                                 std::shared_ptr<const Surface> surface);
+                                                 const std::shared_ptr<const Surface>& surface);
 
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;

@@ -13,7 +13,7 @@ namespace lumo::backends::gl {
 /// several of one thread may be used in turn. Its context stays current on that thread until another is made
 /// so. With a surface, on its display, and presenting into it. Errors: no_device, with what was found.
 Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc,
-                                                     std::shared_ptr<const Surface> surface);
+                                                     const std::shared_ptr<const Surface>& surface);
 std::vector<rhi::DeviceInfo> list_devices();
 
 }  // namespace lumo::backends::gl

@@ -28,6 +28,7 @@ class Process {
     explicit Process(std::vector<std::string> arguments) : process_(fork()) {
         if (process_ != 0) return;
         std::vector<char*> pointers;
+        pointers.reserve(arguments.size() + 1);
         for (std::string& argument : arguments) pointers.push_back(argument.data());
         pointers.push_back(nullptr);
         execv(pointers[0], pointers.data());

@@ -15,7 +15,6 @@ using namespace testing_support;
 using rhi::Api;
 using rhi::Extent;
 using rhi::Format;
-using testing::IsEmpty;
 
 constexpr uint32_t window_width = 320, window_height = 200;
 
@@ -208,10 +207,9 @@ TEST_P(WindowTest, StretchesAPictureOfAnotherSize) {
 TEST_P(WindowTest, FollowsItsSize) {
     draw();
     present();
-    for (const auto& [width, height] :
-         {std::pair(400u, 300u), std::pair(100u, 120u), std::pair(701u, 33u), std::pair(320u, 500u)}) {
-        window().resize(width, height);
-        ASSERT_TRUE(becomes([&] { return window().size() == Extent{width, height, 1}; }));
+    for (const Extent& size : {Extent{400, 300}, Extent{100, 120}, Extent{701, 33}, Extent{320, 500}}) {
+        window().resize(size.width, size.height);
+        ASSERT_TRUE(becomes([&] { return window().size() == size; }));
         draw();
         present();
         present();

@@ -9,7 +9,7 @@
 #include <sys/types.h>
 #include <vector>
 
-struct _XDisplay;
+struct _XDisplay;  // NOLINT(bugprone-reserved-identifier): Xlib names it so
 
 namespace lumo::testing_support {
 
