@@ -208,6 +208,16 @@ SettingOptions add_picture_settings(CLI::App& app, Options& options) {
     setting("--tonemap", "none|reinhard|hable|aces|agx", std::string(to_string(frame.post.tonemap)),
             "of display-referred pictures", one_of<post::Tonemap>(&frame.post.tonemap, curves));
 
+    all.emplace_back("reference",
+                     add_flag(app, "--reference", options.reference,
+                              "the path tracer on the CPU instead of a GPU: .exr, at pixel centres"));
+    setting("--spp", "N", fmt::to_string(options.spp), "samples a pixel of the path tracer, 2 and up",
+            [&](const std::string& text) -> Result<void> {
+                return parse_integer(text, 2, std::numeric_limits<uint32_t>::max()).map([&](uint32_t count) {
+                    options.spp = count;
+                });
+            });
+
     Animation& animation = options.animation;
     setting(
         "--frames", "N", fmt::to_string(animation.count), "an animation, in files NAME.0001.EXT",
@@ -318,6 +328,7 @@ SettingOptions add_render(CLI::App& app, Options& options, std::filesystem::path
         "  lumo render                                     the atrium, to atrium.png\n"
         "  lumo render Sponza.gltf --api both --size 480x270 -o sponza.png\n"
         "  lumo render cornell --layer irradiance,depth -o cornell.exr\n"
+        "  lumo render cornell --reference --spp 1024 --layer irradiance -o truth.exr\n"
         "  lumo render atrium --sun 0.3,1,0.2:12,11,10 --exposure -1 --tonemap agx -o noon.png\n"
         "  lumo render cornell --stats run.json && lumo render --config run.json -o again.png\n"
         "  lumo render atrium --frames 48 --orbit 360 --shard 2/8 -o turn.png");

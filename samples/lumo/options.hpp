@@ -53,6 +53,8 @@ struct Options {
     std::optional<Sun> sun = {};  ///< in place of the scene's directional lights
     frame::Settings frame = {};
     Animation animation = {};
+    bool reference = false;  ///< the path tracer instead of a GPU
+    uint32_t spp = 256;      ///< its samples a pixel
     /// What was asked for and what holds by default, by option: what --stats writes and --config reads.
     nlohmann::ordered_json settings = {};
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
@@ -16,6 +17,7 @@
 #include "samples/lumo/pictures.hpp"
 #include "samples/lumo/progress.hpp"
 #include "samples/lumo/stats.hpp"
+#include "samples/lumo/traced.hpp"
 #include "scene/printable.hpp"
 
 namespace lumo::program {
@@ -31,12 +33,16 @@ struct Product {
 Result<Product> product_of(const Options& options) {
     Product product{.file = options.output, .settings = options.frame};
     auto& layers = product.settings.layers;
-    const bool displayed = layers == std::vector{frame::Layer::final};
+    const bool displayed = layers == std::vector{frame::Layer::final} && !options.reference;
     if (product.file.empty()) {
         product.file = std::filesystem::path(options.scene).stem();
         product.file += displayed ? ".png" : ".exr";
     }
     if (const Result<void> fine = check_output(product.file); !fine) return tl::unexpected(fine.error());
+    if (options.reference) {
+        if (const Result<void> fine = check_traceable(options, extension_of(product.file)); !fine)
+            return tl::unexpected(fine.error());
+    }
     if (extension_of(product.file) == ".png") {
         if (!displayed)
             return fail(ErrorKind::invalid_argument, scene::printable(product.file.string()),
@@ -61,27 +67,39 @@ rhi::DeviceDesc device_desc(const Options& options, int& failures) {
         }};
 }
 
+Result<rhi::Device> make_device(rhi::Api api, const rhi::DeviceDesc& desc) {
+    auto device = backends::create_device(api, desc);
+    if (device) {
+        spdlog::info("{} on {}, {}", to_string(api), scene::printable(device->info().name),
+                     scene::printable(device->info().driver));
+    }
+    return device;
+}
+
+/// A device of the first API that has one.
+Result<rhi::Device> make_first_device(const rhi::DeviceDesc& desc) {
+    auto vulkan = make_device(rhi::Api::vulkan, desc);
+    if (vulkan) return vulkan;
+    auto gl = make_device(rhi::Api::gl, desc);
+    if (!gl) return fail(gl.error().kind, "--api", to_string(vulkan.error()) + "; " + to_string(gl.error()));
+    spdlog::warn("not vulkan: {}", to_string(vulkan.error()));
+    return gl;
+}
+
 /// The devices that the options ask for; OpenGL's before Vulkan's.
 Result<std::vector<rhi::Device>> make_devices(const Options& options, int& failures) {
     const rhi::DeviceDesc desc = device_desc(options, failures);
-    std::vector<rhi::Api> apis{rhi::Api::gl, rhi::Api::vulkan};
-    if (options.api == ApiChoice::gl) apis = {rhi::Api::gl};
-    if (options.api == ApiChoice::vulkan) apis = {rhi::Api::vulkan};
-    if (options.api == ApiChoice::first) apis = {rhi::Api::vulkan, rhi::Api::gl};
+    std::vector<Result<rhi::Device>> made;
+    if (options.api == ApiChoice::first) made.push_back(make_first_device(desc));
+    if (options.api == ApiChoice::gl || options.api == ApiChoice::both)
+        made.push_back(make_device(rhi::Api::gl, desc));
+    if (options.api == ApiChoice::vulkan || options.api == ApiChoice::both)
+        made.push_back(make_device(rhi::Api::vulkan, desc));
 
     std::vector<rhi::Device> devices;
-    for (const rhi::Api api : apis) {
-        auto device = backends::create_device(api, desc);
-        if (!device && options.api == ApiChoice::first && api != apis.back()) {
-            spdlog::warn("{}", to_string(device.error()));
-            continue;
-        }
+    for (Result<rhi::Device>& device : made) {
         if (!device) return tl::unexpected(device.error());
-        const rhi::DeviceInfo& info = device->info();
-        spdlog::info("{} on {}, {}", to_string(api), scene::printable(info.name),
-                     scene::printable(info.driver));
         devices.push_back(std::move(*device));
-        if (options.api == ApiChoice::first) break;
     }
     return devices;
 }
@@ -167,14 +185,13 @@ class Renderer {
     bool explained_ = false;
 };
 
-Result<bool> render_all(const Options& options, const Product& product, std::vector<rhi::Device>& devices,
-                        scene::Scene& scene, const scene::Camera& camera, Progress& progress) {
+/// Renders one frame, whose number is empty if it is the only one; whether all that drew it agree.
+using RenderFrame = std::function<Result<bool>(const scene::Scene&, const scene::Camera&, std::string_view)>;
+
+Result<bool> render_all(const Options& options, scene::Scene& scene, const scene::Camera& camera,
+                        const RenderFrame& render_frame) {
     const Animation& animation = options.animation;
     const Sun first_sun = sun_of(scene);
-    if (animation.sun_to && first_sun.irradiance == glm::vec3(0))
-        return fail(ErrorKind::invalid_argument, "--sun-to", "the scene has no sun to move",
-                    "give one with --sun");
-    Renderer renderer(options, product, devices, progress);
     bool agreed = true;
     for (uint32_t i = animation.shard - 1; i < animation.count; i += animation.shards) {
         const float turn = animation.orbit * float(i) / float(animation.count);
@@ -183,11 +200,52 @@ Result<bool> render_all(const Options& options, const Product& product, std::vec
             replace_sun(scene, between(first_sun, *animation.sun_to, t));
         }
         const std::string number = animation.count > 1 ? fmt::format("{:04}", i + 1) : "";
-        const Result<bool> agrees = renderer.render(scene, orbited(camera, turn), number);
+        const Result<bool> agrees = render_frame(scene, orbited(camera, turn), number);
         if (!agrees) return agrees;
         agreed &= *agrees;
     }
     return agreed;
+}
+
+/// Renders the frames on the devices that the options ask for.
+Result<bool> render_on_devices(const Options& options, const Product& product, scene::Scene& scene,
+                               const scene::Camera& camera, Progress& progress) {
+    int failures = 0;
+    Result<bool> agreed = false;
+    {
+        auto devices = make_devices(options, failures);
+        if (!devices) return tl::unexpected(devices.error());
+        Renderer renderer(options, product, *devices, progress);
+        agreed = render_all(options, scene, camera,
+                            [&](const scene::Scene& lit, const scene::Camera& view, std::string_view number) {
+                                return renderer.render(lit, view, number);
+                            });
+    }
+    if (agreed && failures > 0)
+        return fail(ErrorKind::unsupported, "validation",
+                    fmt::format("{} messages that fail a run", failures), "they are above");
+    return agreed;
+}
+
+/// Traces the frames, without any device.
+Result<bool> render_reference(const Options& options, const Product& product, scene::Scene& scene,
+                              const scene::Camera& camera, Progress& progress) {
+    return render_all(
+        options, scene, camera,
+        [&](const scene::Scene& lit, const scene::Camera& view, std::string_view number) -> Result<bool> {
+            const auto traced = trace(options, product.layer_names, lit, view, progress);
+            if (!traced) return tl::unexpected(traced.error());
+            const std::filesystem::path file = tagged(product.file, number);
+            if (const Result<void> done = write_picture(file, traced->picture); !done)
+                return tl::unexpected(done.error());
+            spdlog::info("{}: relative noise {}", scene::printable(file.string()),
+                         traced->stats["relative_noise"].dump());
+            if (!options.stats.empty()) {
+                if (const Result<void> done = write_json(tagged(options.stats, number), traced->stats); !done)
+                    return tl::unexpected(done.error());
+            }
+            return true;
+        });
 }
 
 }  // namespace
@@ -197,27 +255,23 @@ Result<int> render(const Options& options) {
     if (!product) return tl::unexpected(product.error());
 
     const int apis = options.api == ApiChoice::both ? 2 : 1;
+    const int steps = options.reference ? trace_steps : apis + (apis > 1 ? 1 : 0);
     const uint32_t frames =
         (options.animation.count - options.animation.shard) / options.animation.shards + 1;
-    Progress progress(1 + int(frames) * (apis + (apis > 1 ? 1 : 0)), options.quiet);
+    Progress progress(1 + int(frames) * steps, options.quiet);
     progress.next(scene::printable(options.scene));
     auto scene = load_scene(options);
     if (!scene) return tl::unexpected(scene.error());
     for (const std::string& line : warnings_of(*scene)) spdlog::warn("{}", line);
     const auto camera = choose_camera(options, *scene);
     if (!camera) return tl::unexpected(camera.error());
+    if (options.animation.sun_to && sun_of(*scene).irradiance == glm::vec3(0))
+        return fail(ErrorKind::invalid_argument, "--sun-to", "the scene has no sun to move",
+                    "give one with --sun");
 
-    int failures = 0;
-    Result<bool> agreed = false;
-    {
-        auto devices = make_devices(options, failures);
-        if (!devices) return tl::unexpected(devices.error());
-        agreed = render_all(options, *product, *devices, *scene, *camera, progress);
-    }
+    const auto draw = options.reference ? render_reference : render_on_devices;
+    const Result<bool> agreed = draw(options, *product, *scene, *camera, progress);
     if (!agreed) return tl::unexpected(agreed.error());
-    if (failures > 0)
-        return fail(ErrorKind::unsupported, "validation",
-                    fmt::format("{} messages that fail a run", failures), "they are above");
     return *agreed ? exit_done : exit_differs;
 }
 
