@@ -1,0 +1,185 @@
+// Small scenes through the voxel techniques, and every volume as floats.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <glm/glm.hpp>
+#include <glm/gtc/packing.hpp>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include "scene/builtin/geometry.hpp"
+#include "scene/gpu_scene.hpp"
+#include "techniques/shadow/shadow.hpp"
+#include "techniques/voxels/voxels.hpp"
+#include "tests/support/rendering.hpp"
+#include "tests/support/voxelizer.hpp"
+
+namespace lumo::testing_support {
+
+/// A mip of a volume, x fastest.
+struct VolumeTexels {
+    int side = 0;                       ///< along y and z; along x it is a multiple of this in atlases
+    int width = 0;                      ///< along x
+    std::vector<std::byte> bytes = {};  ///< as stored, for comparison to the bit
+    std::vector<glm::vec4> texels = {};
+
+    const glm::vec4& at(glm::ivec3 v) const {
+        return texels[(size_t(v.z) * size_t(side) + size_t(v.y)) * size_t(width) + size_t(v.x)];
+    }
+};
+
+inline VolumeTexels read_volume(rhi::Device& device, const rhi::Texture& texture, uint32_t mip = 0) {
+    VolumeTexels volume;
+    const rhi::Extent extent = rhi::mip_extent(texture.desc().extent, mip);
+    volume.side = int(extent.height);
+    volume.width = int(extent.width);
+    volume.bytes = value_of(device.download(texture, rhi::whole_mip(texture.desc(), mip)));
+    volume.texels.resize(size_t(extent.width) * extent.height * extent.depth);
+    const size_t stride = volume.bytes.size() / volume.texels.size();
+    for (size_t i = 0; i < volume.texels.size(); ++i) {
+        const std::byte* from = volume.bytes.data() + i * stride;
+        glm::vec4& texel = volume.texels[i];
+        switch (texture.desc().format) {
+            case rhi::Format::r8_unorm:
+                texel.x = float(from[0]) / 255;
+                break;
+            case rhi::Format::rgba8_unorm:
+                for (int c = 0; c < 4; ++c) texel[c] = float(from[c]) / 255;
+                break;
+            case rhi::Format::rgba16_float: {
+                uint64_t bits = 0;
+                std::memcpy(&bits, from, sizeof bits);
+                texel = glm::unpackHalf4x16(bits);
+                break;
+            }
+            case rhi::Format::r32_uint: {
+                uint32_t count = 0;
+                std::memcpy(&count, from, sizeof count);
+                texel.x = float(count);
+                break;
+            }
+            default:
+                throw std::runtime_error("format not read back");
+        }
+    }
+    return volume;
+}
+
+/// decode_area of shaders/common/voxel_grid.glsl, in voxel faces.
+inline double decode_area(float stored) { return 16 * double(stored) * double(stored); }
+
+inline scene::Material diffuse(glm::vec3 albedo, glm::vec3 emission = glm::vec3(0)) {
+    return {.base_color = glm::vec4(albedo, 1), .metallic = 0, .roughness = 1, .emission = emission};
+}
+
+/// Adds geometry of one material as an instance of its own.
+inline void add(scene::Scene& scene, const scene::builtin::Geometry& geometry, scene::Material material,
+                const glm::mat4& world_from_object = glm::mat4(1)) {
+    const auto first_vertex = uint32_t(scene.vertices.size());
+    const auto first_index = uint32_t(scene.indices.size());
+    scene.vertices.insert(scene.vertices.end(), geometry.vertices.begin(), geometry.vertices.end());
+    for (const uint32_t index : geometry.indices) scene.indices.push_back(first_vertex + index);
+    scene.materials.push_back(std::move(material));
+    scene.meshes.push_back({.primitives = {{.first_index = first_index,
+                                            .index_count = uint32_t(geometry.indices.size()),
+                                            .material = uint32_t(scene.materials.size() - 1)}}});
+    scene.instances.push_back(
+        {.mesh = uint32_t(scene.meshes.size() - 1), .world_from_object = world_from_object});
+}
+
+/// A triangle with corners as they are, whatever its shape.
+inline scene::builtin::Geometry triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+    const glm::vec3 doubled = glm::cross(b - a, c - a);
+    const glm::vec3 normal = glm::length(doubled) > 0 ? glm::normalize(doubled) : glm::vec3(0, 1, 0);
+    scene::builtin::Geometry geometry;
+    for (const glm::vec3& p : {a, b, c}) geometry.vertices.push_back({.position = p, .normal = normal});
+    geometry.indices = {0, 1, 2};
+    return geometry;
+}
+
+/// The built-in scene without its images: what must be equal to the bit.
+inline scene::Scene without_textures(scene::Scene scene) {
+    for (scene::Material& material : scene.materials) {
+        material.base_color_texture.reset();
+        material.metallic_roughness_texture.reset();
+        material.normal_texture.reset();
+        material.occlusion_texture.reset();
+        material.emission_texture.reset();
+    }
+    scene.textures.clear();
+    scene.images.clear();
+    return scene;
+}
+
+struct VoxelOptions {
+    uint32_t resolution = 32;
+    std::optional<Sun> sun = {};
+    uint32_t shadow_resolution = 512;
+    bool normals = false;
+    bool wide_range = false;
+    voxels::MipKind mips = voxels::MipKind::anisotropic;
+};
+
+/// The volume of a scene, ready to read.
+struct Voxelized {
+    voxels::Volume volume;
+    voxels::Grid grid;
+    shadow::LightCamera light = {};
+
+    uint32_t side() const { return grid.resolution; }
+};
+
+inline float highest_emission(const scene::Scene& scene) {
+    float highest = 0;
+    for (const scene::Material& m : scene.materials)
+        highest = std::max({highest, m.emission.r, m.emission.g, m.emission.b});
+    return highest;
+}
+
+inline Voxelized voxelize(rhi::Device& device, const scene::Scene& scene, const VoxelOptions& options) {
+    const scene::GpuScene gpu = value_of(scene::GpuScene::create(device, scene, true));
+    const scene::GeometryView geometry = gpu.view();
+    voxels::Needs needs{.emission = highest_emission(scene) > 0,
+                        .sunlight = options.sun.has_value(),
+                        .normals = options.normals,
+                        .wide_range = options.wide_range};
+    for (const scene::Material& material : scene.materials) {
+        needs.alpha_mask |= material.alpha_mode == scene::AlphaMode::mask;
+        needs.translucent |= material.alpha_mode == scene::AlphaMode::blend;
+    }
+    Voxelized result{.volume = value_of(voxels::Volume::create(
+                         device, {.resolution = options.resolution, .mips = options.mips}, needs)),
+                     .grid = voxels::fit_grid(geometry.bounds, options.resolution)};
+    std::optional<shadow::Shadow> shadow;
+    rhi::Sampler point = value_of(device.create_sampler(
+        {.magnification = rhi::FilterMode::nearest, .minification = rhi::FilterMode::nearest}));
+
+    rhi::Commands commands = device.begin();
+    std::optional<voxels::SunLight> sun;
+    if (options.sun) {
+        shadow = value_of(shadow::Shadow::create(device, {.resolution = options.shadow_resolution},
+                                                 {.alpha_mask = needs.alpha_mask}));
+        const shadow::View view = shadow->record(commands, geometry, options.sun->direction);
+        result.light = view.camera;
+        sun = {.shadow_depth = {view.depth, point},
+               .shadow_resolution = view.resolution,
+               .world_from_light_clip = view.camera.world_from_clip,
+               .texel_area = view.texel_area,
+               .direction_to_sun = view.camera.direction_to_light,
+               .irradiance = options.sun->irradiance};
+    }
+    result.volume.voxelize(commands, geometry, highest_emission(scene));
+    result.volume.inject(commands, sun ? &*sun : nullptr);
+    value_of(device.wait(device.submit(std::move(commands))));
+    return result;
+}
+
+inline VoxelMap<bool> occupancy_of(const VolumeTexels& albedo) {
+    VoxelMap<bool> occupied(uint32_t(albedo.side), false);
+    for (size_t i = 0; i < albedo.texels.size(); ++i) occupied.values[i] = albedo.texels[i].a > 0;
+    return occupied;
+}
+
+}  // namespace lumo::testing_support
