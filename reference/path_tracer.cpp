@@ -29,22 +29,20 @@ using LightSums = std::array<glm::dvec3, light_layers>;
 bool is_light(TracedLayer layer) { return size_t(layer) < light_layers; }
 
 /// The dimensions of a sample: those of the camera, then a block for each surface along the path.
-enum Dimension : uint32_t {
-    camera_jitter,
-    camera_seed,
-    first_vertex,
-    // within a vertex's block
-    light_choice = 0,
+enum CameraDimension : uint32_t { camera_jitter, camera_seed, camera_dimensions };
+enum VertexDimension : uint32_t {
+    light_choice,
     light_seed,
     emitter_choice,
     emitter_point,
     emitter_seed,
-    lobe,
-    direction,
+    lobe_choice,
+    lobe_direction,
     ray_seed,
     survival,
-    vertex_block
+    vertex_dimensions
 };
+uint32_t first_dimension(uint32_t vertex) { return camera_dimensions + vertex * vertex_dimensions; }
 
 /// The rays of gbuffer::camera_block.
 class Lens {
@@ -94,7 +92,7 @@ struct Vertex {
         : surface(at),
           frame(frame_about(at.normal)),
           to_eye(-ray * frame),
-          dimension(first_vertex + index * vertex_block) {}
+          dimension(first_dimension(index)) {}
 
     bool above(glm::dvec3 direction) const { return glm::dot(direction, surface.geometric_normal) > 0; }
     /// Times the cosine; zero from behind the triangle.
@@ -206,8 +204,8 @@ std::optional<Arrival> Tracer::aimed(const Vertex& vertex, const DirectionSample
 /// Light from a direction that the reflection asks for.
 std::optional<Arrival> Tracer::gathered(const Vertex& vertex, const DirectionSampler& directions,
                                         const Sampler& sampler) const {
-    const glm::dvec3 local =
-        directions.draw(sampler.number(vertex.dimension + lobe), sampler.pair(vertex.dimension + direction));
+    const glm::dvec3 local = directions.draw(sampler.number(vertex.dimension + lobe_choice),
+                                             sampler.pair(vertex.dimension + lobe_direction));
     const glm::dvec3 way = vertex.frame * local;
     const double density = directions.density(local);
     if (density <= 0 || !vertex.above(way)) return std::nullopt;
@@ -222,7 +220,7 @@ glm::dvec3 Tracer::incoming(Ray ray, double density, const Sampler& sampler) con
     constexpr double highest_survival = 0.95;
     const bool diffuse = settings_.diffuse_materials || settings_.diffuse_reflectors;
     glm::dvec3 radiance(0), throughput(1);
-    uint32_t seed_dimension = first_vertex + ray_seed;
+    uint32_t seed_dimension = first_dimension(0) + ray_seed;
     for (uint32_t reflections = 0;; ++reflections) {
         const std::optional<Hit> hit = rays_.intersect(ray, Faces::both, sampler.word(seed_dimension));
         if (!hit) return radiance + throughput * environment();
@@ -244,8 +242,8 @@ glm::dvec3 Tracer::incoming(Ray ray, double density, const Sampler& sampler) con
         if (const auto light = aimed(vertex, directions, sampler))
             radiance += throughput * light->radiance * sum(vertex.reflected(light->direction));
 
-        const glm::dvec3 local = directions.draw(sampler.number(vertex.dimension + lobe),
-                                                 sampler.pair(vertex.dimension + direction));
+        const glm::dvec3 local = directions.draw(sampler.number(vertex.dimension + lobe_choice),
+                                                 sampler.pair(vertex.dimension + lobe_direction));
         density = directions.density(local);
         const glm::dvec3 way = vertex.frame * local;
         if (density <= 0) return radiance;
