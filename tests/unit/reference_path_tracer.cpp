@@ -444,7 +444,8 @@ TEST(Surfaces, LeanAsTheirNormalMapsSay) {
     settings.layers = {TracedLayer::normal};
     settings.diffuse_materials = false;
     const auto normal = [&] {
-        const float* values = traced(scene, spot_camera(), settings).layers[0].mean.at(1, 1);
+        const PathTraced result = traced(scene, spot_camera(), settings);
+        const float* values = result.layers[0].mean.at(1, 1);
         return glm::dvec3(values[0], values[1], values[2]);
     };
     // u runs along +X and v, whose opposite is the bitangent, along +Z.
