@@ -28,7 +28,9 @@ layout(binding = gather_binding + 4, std140) uniform Gather {
     vec4 cones[max_cones];   // xyz: direction about +z; w: share of the irradiance of a constant environment
 } gather;
 
-// A step is this part of the cone's diameter: half of it keeps the trilinear filter's footprints overlapping.
+// The trilinear filter reaches a whole voxel to each side: voxels of half the cone's diameter keep it inside the cone,
+// and so off the surface that the cone starts from.
+const float voxel_per_diameter = 0.5;
 const float step_per_diameter = 0.5;
 
 // Which of the six directions a ray sees, and how much of each: the axes' parts of a unit vector, squared, add to 1.
@@ -73,7 +75,8 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
     while (transmittance >= min_transmittance && all(greaterThanEqual(position, vec3(0))) &&
            all(lessThanEqual(position, vec3(gather.resolution)))) {
         float diameter = max(2.0 * tan_half_aperture * distance, 1.0);
-        float lod = log2(diameter);
+        float stride = step_per_diameter * diameter;
+        float lod = max(log2(voxel_per_diameter * diameter), 0.0);
         vec3 uvw = position / gather.resolution;
         vec4 stored = sample_volume(voxel_radiance, voxel_radiance_directions, uvw, facing, lod);
         if (stored.a > 0.0) {
@@ -82,12 +85,12 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
                 leaving += sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod).rgb *
                            gather.emission_unit;
             }
-            // Opacity and colour are per diameter of path; a step is part of one.
-            float opacity = 1.0 - pow(max(1.0 - stored.a, 0.0), step_per_diameter);
+            // Opacity is per voxel of path.
+            float opacity = 1.0 - pow(max(1.0 - stored.a, 0.0), stride / exp2(lod));
             radiance += transmittance * leaving * (opacity / stored.a);
             transmittance *= 1.0 - opacity;
         }
-        distance += step_per_diameter * diameter;
+        distance += stride;
         position = origin + direction * distance;
     }
     if (gather_environment && transmittance >= min_transmittance) radiance += transmittance * gather.environment;

@@ -64,7 +64,6 @@ Distribution distribute(int count) {
 
     Distribution result;
     result.half_angle = float(packing.half_angle);
-    result.tracing_half_angle = float(std::min(std::acos(1.0 - 1.0 / count), glm::radians(75.0)));
     double sin2_above = 0;
     for (size_t r = 0; r < packing.rings.size(); ++r) {
         const Ring& ring = packing.rings[r];

@@ -15,8 +15,9 @@ struct Cone {
 
 struct Distribution {
     std::vector<Cone> cones;
-    float half_angle = 0;          ///< radians, of the packed circles: they touch and do not overlap
-    float tracing_half_angle = 0;  ///< radians; cones this wide have the hemisphere's solid angle together
+    /// Radians, of the packed circles: they touch, do not overlap and stay above the horizon. Cones are traced this
+    /// wide: wider ones would meet the surface that they start from.
+    float half_angle = 0;
 };
 
 /// `count` cones, 1 to max_cones, on concentric rings: equal circles packed on the hemisphere after Appelbaum

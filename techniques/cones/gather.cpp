@@ -13,7 +13,7 @@ GatherBlock gather_block(const Distribution& distribution, const voxels::View& v
     block.radiance_unit = volume.radiance_unit;
     block.emission_unit = volume.emission_unit;
     block.cone_count = int32_t(distribution.cones.size());
-    block.tan_half_aperture = std::tan(distribution.tracing_half_angle);
+    block.tan_half_aperture = std::tan(distribution.half_angle);
     block.environment = environment;
     block.resolution = float(volume.grid.resolution);
     for (size_t i = 0; i < distribution.cones.size(); ++i) {
