@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
-#include <ranges>
 #include <utility>
 
 #include "scene/gltf_accessor.hpp"
@@ -281,8 +281,9 @@ Result<void> Loader::add_tree(int root) {
         if (!is_finite(world)) return invalid(node_name(step.node) + " has a transform that is not finite");
         if (auto added = add_node(step.node, world); !added) return added;
         const std::vector<int>& children = model_.nodes[size_t(step.node)].children;
-        for (const int child : children | std::views::reverse)
-            steps.push_back({child, step.depth + 1, world});
+        std::transform(children.rbegin(), children.rend(), std::back_inserter(steps), [&](int child) {
+            return Step{child, step.depth + 1, world};
+        });
     }
     return {};
 }

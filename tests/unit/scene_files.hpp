@@ -26,7 +26,7 @@ class TemporaryFolder {
     const std::filesystem::path& path() const { return path_; }
 
     std::filesystem::path write(const std::string& name, std::string_view content) const {
-        const auto file = path_ / name;
+        auto file = path_ / name;
         std::filesystem::create_directories(file.parent_path());
         std::filesystem::remove(file);  // some file systems wait for the disk when a file is overwritten
         std::ofstream(file, std::ios::binary).write(content.data(), std::streamsize(content.size()));

@@ -32,10 +32,11 @@ struct GltfFile {
         return int(document[array].size()) - 1;
     }
 
-    int accessor(int view, int component_type, size_t count, const char* type, nlohmann::json more = {}) {
+    int accessor(int view, int component_type, size_t count, const char* type,
+                 const nlohmann::json& more = nlohmann::json::object()) {
         nlohmann::json entry = {{"componentType", component_type}, {"count", count}, {"type", type}};
         if (view >= 0) entry["bufferView"] = view;
-        entry.update(more.is_null() ? nlohmann::json::object() : more);
+        entry.update(more);
         return add("accessors", entry);
     }
 
@@ -59,16 +60,16 @@ struct GltfFile {
         return accessor;
     }
 
-    int mesh(nlohmann::json attributes, nlohmann::json more = {}) {
+    int mesh(nlohmann::json attributes, const nlohmann::json& more = nlohmann::json::object()) {
         nlohmann::json primitive = {{"attributes", std::move(attributes)}};
-        primitive.update(more.is_null() ? nlohmann::json::object() : more);
+        primitive.update(more);
         return add("meshes", {{"primitives", {primitive}}});
     }
 
     /// A root node that draws a mesh.
-    int place(int mesh, nlohmann::json more = {}) {
+    int place(int mesh, const nlohmann::json& more = nlohmann::json::object()) {
         nlohmann::json node = {{"mesh", mesh}};
-        node.update(more.is_null() ? nlohmann::json::object() : more);
+        node.update(more);
         const int index = add("nodes", node);
         if (!document.contains("scenes")) document["scenes"] = {{{"nodes", nlohmann::json::array()}}};
         document["scenes"][0]["nodes"].push_back(index);

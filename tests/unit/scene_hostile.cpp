@@ -19,10 +19,8 @@ namespace {
 using namespace test;
 using nlohmann::json;
 using testing::AnyOf;
-using testing::Contains;
 using testing::Each;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 
@@ -557,7 +555,7 @@ TEST(HostileCorpus, WhatTheValidatorFindsIsNamed) {
             codes.push_back(message["code"]);
             for (const std::string& n : names_of(message.value("pointer", ""))) names.push_back(n);
             // The validator blames the attribute for what is in its accessor.
-            if (codes.back().starts_with("ACCESSOR_")) names.push_back("accessors[");
+            if (codes.back().starts_with("ACCESSOR_")) names.emplace_back("accessors[");
         }
         if (codes.empty()) continue;
         ++with_errors;
