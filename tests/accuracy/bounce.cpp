@@ -57,8 +57,8 @@ struct BounceTest : DeviceTest {
 };
 INSTANTIATE_TEST_SUITE_P(Accuracy, BounceTest, both_apis, api_name);
 
-/// A gather loses light, because a cone can leave the grid before the voxels of its outermost layer have stopped it
-/// altogether, and must not make any. Of every bounce at least `kept` arrives, so that irradiance lies between the sum of (kept rho)^i kept and the sum of rho^i.
+/// A gather loses light, because a wall of coarse voxels does not quite stop the cones that meet it at an angle, and
+/// must not make any. Of every bounce at least `kept` arrives, so that irradiance lies between the sum of (kept rho)^i kept and the sum of rho^i.
 void expect_series(const Spread& irradiance, double albedo, uint32_t bounces, double kept) {
     double least = 0, exact = 0;
     for (uint32_t i = 0; i <= bounces; ++i) {
@@ -71,7 +71,7 @@ void expect_series(const Spread& irradiance, double albedo, uint32_t bounces, do
 }
 
 TEST_P(BounceTest, ClosedBoxIsTheGeometricSeries) {
-    constexpr double kept = 0.9;
+    constexpr double kept = 0.75;
     for (const auto& [albedo, bounces] :
          {std::pair(0.0f, 1u), std::pair(0.8f, 1u), std::pair(0.8f, 2u), std::pair(0.8f, 4u)}) {
         SCOPED_TRACE(fmt::format("albedo {}, {} bounces", albedo, bounces));
@@ -88,7 +88,7 @@ TEST_P(BounceTest, ConvergesWithoutGainingLight) {
     double before = 0, step_before = 1e30;
     for (const uint32_t bounces : {1u, 2u, 3u, 4u}) {
         const Spread s = irradiance(albedo, bounces, 16);
-        expect_series(s, double(albedo), bounces, 0.8);  // at 16 voxels walls close worse
+        expect_series(s, double(albedo), bounces, 0.75);
         EXPECT_GT(s.mean, before);
         if (bounces > 1) {
             EXPECT_LT(s.mean - before, step_before);
