@@ -200,7 +200,7 @@ Result<bool> render_all(const Options& options, scene::Scene& scene, const scene
             replace_sun(scene, between(first_sun, *animation.sun_to, t));
         }
         const std::string number = animation.count > 1 ? fmt::format("{:04}", i + 1) : "";
-        const Result<bool> agrees = render_frame(scene, orbited(camera, turn), number);
+        Result<bool> agrees = render_frame(scene, orbited(camera, turn), number);
         if (!agrees) return agrees;
         agreed &= *agrees;
     }

@@ -18,7 +18,8 @@ std::vector<std::string> whats(const nlohmann::json& list) {
 }
 
 TEST_F(Check, SponzaHoldsWhatItsReadmeSays) {
-    LUMO_SHARED_FILE(sponza, "sponza/Sponza.gltf");
+    const std::filesystem::path sponza = shared_data("sponza/Sponza.gltf");
+    if (!std::filesystem::exists(sponza)) GTEST_SKIP() << sponza << " is not here";
     const auto report = nlohmann::json::parse(done({"check", sponza, "--json"}).out);
     EXPECT_EQ(report["counts"]["triangles"], 262267);
     EXPECT_EQ(report["counts"]["vertices"], 192647);
@@ -71,7 +72,8 @@ TEST_F(Check, NamesFromFilesDoNotReachTheTerminalRaw) {
 }
 
 TEST_F(Check, MalformedFilesEndWithOneLineThatNamesThem) {
-    LUMO_SHARED_FILE(folder, "gltf-invalid");
+    const std::filesystem::path folder = shared_data("gltf-invalid");
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
     // The loader's own tests read every one of them.
     constexpr int every = 10;
     int seen = 0, loaded = 0, refused = 0;

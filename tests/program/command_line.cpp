@@ -51,8 +51,8 @@ struct Refused {
     std::vector<std::string> said;  ///< all of it on one line
 };
 
-void PrintTo(const Refused& refused, std::ostream* stream) {
-    *stream << testing::PrintToString(refused.arguments);
+std::ostream& operator<<(std::ostream& stream, const Refused& refused) {
+    return stream << testing::PrintToString(refused.arguments);
 }
 
 class Refusal : public Program, public testing::WithParamInterface<Refused> {};

@@ -48,6 +48,7 @@ Outcome Program::lumo(const Arguments& arguments, const Environment& environment
     std::vector<std::string> words{"lumo"};
     std::ranges::copy(arguments, std::back_inserter(words));
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
 

@@ -44,10 +44,10 @@ class Program : public testing::Test {
 /// The same on one API after the other.
 class ProgramOnApi : public Program, public testing::WithParamInterface<const char*> {};
 
-/// A file of the shared data; skips the test where there is none.
-#define LUMO_SHARED_FILE(variable, name)                                                     \
-    const std::filesystem::path variable = std::filesystem::path(LUMO_SHARED_DATA) / (name); \
-    if (!std::filesystem::exists(variable)) GTEST_SKIP() << variable << " is not here"
+/// A file or folder of the shared data; may be absent.
+inline std::filesystem::path shared_data(const std::string& name) {
+    return std::filesystem::path(LUMO_SHARED_DATA) / name;
+}
 
 /// The members of a glTF file in which accessor 0 is a triangle on the ground: (±4, 0, 0) and (0, 0, 2), its front up.
 inline constexpr std::string_view triangle_accessor = R"(

@@ -297,7 +297,8 @@ TEST_F(Render, AnimationsComeInNumberedFilesAndShards) {
 }
 
 TEST_F(Render, SharedFilesAgreeOnBothApis) {
-    LUMO_SHARED_FILE(folder, "gltf");
+    const std::filesystem::path folder = shared_data("gltf");
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
     int files = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
         const std::string extension = entry.path().extension();
