@@ -25,8 +25,12 @@ void start_messages(bool quiet) {
 
 Progress::Progress(int steps, bool quiet) : steps_(std::max(steps, 1)), shown_(on_terminal() && !quiet) {}
 
-Progress::~Progress() {
-    if (shown_) fmt::print(stderr, "{}", erase_line);
+Progress::~Progress() { clear(); }
+
+void Progress::clear() {
+    if (!shown_) return;
+    fmt::print(stderr, "{}", erase_line);
+    std::fflush(stderr);
 }
 
 void Progress::next(std::string_view what) {

@@ -18,6 +18,8 @@ class Progress {
 
     /// The step before is done, and this one begins.
     void next(std::string_view what);
+    /// Takes the bar away, until the next step, for what goes to the standard output.
+    void clear();
 
   private:
     int steps_;

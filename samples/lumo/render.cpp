@@ -138,6 +138,7 @@ class Renderer {
             progress_.next(fmt::format("{} {}", to_string(info.api), number));
             const auto rendered = frame::render(device, scene, camera, product_.settings);
             if (!rendered) return tl::unexpected(rendered.error());
+            progress_.clear();
             if (options_.explain && !std::exchange(explained_, true))
                 fmt::print("{}", frame::to_text(rendered->plan));
 
@@ -167,6 +168,7 @@ class Renderer {
         const auto layers = compare(gl, vulkan, software ? ParityChoice::mesa : ParityChoice::hardware,
                                     scene::printable(file.string()));
         if (!layers) return tl::unexpected(layers.error());
+        progress_.clear();
         bool passed = true;
         for (const LayerComparison& layer : *layers) {
             constexpr size_t listed = 20;
