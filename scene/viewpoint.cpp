@@ -134,11 +134,11 @@ bool has_light(const Scene& scene) {
 }
 
 void add_daylight(Scene& scene) {
-    // White paper that faces the sun has a radiance of about 4, in the shade of an open sky about 1.
+    // White paper that faces the sun has a radiance of about 2, in the shade of an open sky about a half.
     scene.lights.push_back({.name = "daylight",
-                            .intensity = {13, 12.2f, 11},
+                            .intensity = {6.5f, 6.1f, 5.5f},
                             .direction = -glm::normalize(glm::vec3(0.25f, 1, 0.15f))});
-    scene.environment_radiance = {0.8f, 1, 1.25f};
+    scene.environment_radiance = {0.4f, 0.5f, 0.62f};
 }
 
 }  // namespace lumo::scene

@@ -63,7 +63,7 @@ Distribution distribute(int count) {
     const Packing& packing = count > 1 && open.half_angle > centred.half_angle ? open : centred;
 
     Distribution result;
-    result.half_angle = float(packing.half_angle);
+    result.half_angle = float(std::min(packing.half_angle, glm::radians(75.0)));
     double sin2_above = 0;
     for (size_t r = 0; r < packing.rings.size(); ++r) {
         const Ring& ring = packing.rings[r];

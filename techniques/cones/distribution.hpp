@@ -16,7 +16,7 @@ struct Cone {
 struct Distribution {
     std::vector<Cone> cones;
     /// Radians, of the packed circles: they touch, do not overlap and stay above the horizon. Cones are traced this
-    /// wide: wider ones would meet the surface that they start from.
+    /// wide: wider ones would meet the surface that they start from. At most 75 degrees, which only one cone reaches.
     float half_angle = 0;
 };
 
