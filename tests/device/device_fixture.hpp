@@ -74,6 +74,7 @@ class DeviceTest : public testing::TestWithParam<rhi::Api> {
   protected:
     void SetUp() override {
         auto opened = open_device(GetParam());
+        if (!opened && HasFailure()) FAIL() << "this device is required";
         if (!opened) GTEST_SKIP() << "no device for " << to_string(GetParam());
         checked_ = std::move(*opened);
     }
