@@ -23,26 +23,21 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
     if (!sampler) return tl::unexpected(sampler.error());
     made.volume_sampler_ = std::move(*sampler);
 
+    const auto create_gather = [&](bool reflected, auto& pipeline) {
+        return device
+            .create_compute_pipeline<shaders::bounce::bounce>(
+                {.gather_reflected = reflected,
+                 .gather_emission = needs.emission,
+                 .gather_environment = needs.environment,
+                 .anisotropic = volume.mips == voxels::MipKind::anisotropic})
+            .map([&](auto created) { pipeline = std::move(created); });
+    };
     // Emission and environment are reflected for the first time by the first gather, which must not add what
     // the sun has already done once; where the sun is alone the first gather is its second reflection.
-    if (needs.any_light()) {
-        auto first = device.create_compute_pipeline<shaders::bounce::bounce>(
-            {.gather_reflected = false,
-             .gather_emission = needs.emission,
-             .gather_environment = needs.environment,
-             .anisotropic = volume.mips == voxels::MipKind::anisotropic});
-        if (!first) return tl::unexpected(first.error());
-        made.first_ = std::move(*first);
-    }
-    if (!needs.any_light() || count > 1) {
-        auto next = device.create_compute_pipeline<shaders::bounce::bounce>(
-            {.gather_reflected = true,
-             .gather_emission = needs.emission,
-             .gather_environment = needs.environment,
-             .anisotropic = volume.mips == voxels::MipKind::anisotropic});
-        if (!next) return tl::unexpected(next.error());
-        made.next_ = std::move(*next);
-    }
+    Result<void> created;
+    if (needs.any_light()) created = create_gather(false, made.first_);
+    if (created && (!needs.any_light() || count > 1)) created = create_gather(true, made.next_);
+    if (!created) return tl::unexpected(created.error());
     return made;
 }
 

@@ -69,19 +69,16 @@ Result<void> Volume::create_textures(rhi::Device& device) {
     struct Wanted {
         rhi::Texture* texture;
         rhi::TextureDesc desc;
-        bool needed;
     };
     const Wanted wanted[] = {
-        {&sums_, std::move(sums), true},
-        {&albedo_, volume_desc("voxels.albedo", Format::rgba8_unorm, resolution), true},
-        {&area_, volume_desc("voxels.area", Format::r8_unorm, resolution), true},
+        {&sums_, std::move(sums)},
+        {&albedo_, volume_desc("voxels.albedo", Format::rgba8_unorm, resolution)},
+        {&area_, volume_desc("voxels.area", Format::r8_unorm, resolution)},
         // A program's bindings are all bound: one texel stands for a volume that this frame does without.
-        {&normal_, volume_desc("voxels.normal", Format::rgba8_unorm, needs_.normals ? resolution : 1), true},
-        {&lit_texels_, volume_desc("voxels.lit_texels", Format::r32_uint, needs_.sunlight ? resolution : 1),
-         true},
+        {&normal_, volume_desc("voxels.normal", Format::rgba8_unorm, needs_.normals ? resolution : 1)},
+        {&lit_texels_, volume_desc("voxels.lit_texels", Format::r32_uint, needs_.sunlight ? resolution : 1)},
     };
     for (const Wanted& w : wanted) {
-        if (!w.needed) continue;
         Result<rhi::Texture> made = device.create_texture(w.desc);
         if (!made) return tl::unexpected(made.error());
         *w.texture = std::move(*made);
@@ -216,7 +213,6 @@ void Volume::inject(rhi::Commands& commands, const SunLight* sun) {
 
 View Volume::view() const {
     return {.grid = grid_,
-            .mips = settings_.mips,
             .radiance = view_of(radiance_),
             .emission = view_of(needs_.emission ? emission_ : radiance_),
             .radiance_unit = 1 / injected_.radiance_scale,

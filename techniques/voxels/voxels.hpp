@@ -1,7 +1,7 @@
 // A voxel volume of the scene: its surfaces, and the light that leaves them, in volume textures.
 //
 // voxelize() sums base colour (and emission) per voxel by the rasterizer and resolves them to means; inject()
-// turns the sun's light, as the shadow map saw it, into outgoing radiance; both end in isotropic mips that
+// turns the sun's light, as the shadow map saw it, into outgoing radiance; both end in the mips that
 // cones sample. Colours have 8 bits (the paper's LDR); radiance has 8 bits where the sun is the only light,
 // and half floats where emitters or an environment make it differ too much. Sums are integers: both APIs get
 // the same voxels.
@@ -60,7 +60,6 @@ struct SunLight {
 /// What cones read. Volumes hold values times opacity; times their unit they are W/m²/sr.
 struct View {
     Grid grid;
-    MipKind mips = MipKind::anisotropic;
     LightVolumeView radiance;  ///< a: opacity
     LightVolumeView emission;  ///< the radiance again where nothing emits
     float radiance_unit = 1;
