@@ -2,16 +2,15 @@
 // Tracing). Include once per program; takes bindings gather_binding to gather_binding + 4.
 #include "common/constants.glsl"
 #include "common/voxel_grid.glsl"
+#include "voxels/sample.glsl"
 
 layout(constant_id = 20) const bool gather_reflected = true;     // the radiance volume's light, not its opacity alone
 layout(constant_id = 21) const bool gather_emission = false;     // the emission volume's light
 layout(constant_id = 22) const bool gather_environment = false;  // a constant radiance outside the grid
-layout(constant_id = 23) const bool anisotropic = false;         // mips in six directions
 
 const int max_cones = 32;
 
-// Premultiplied; a: opacity. The base has level 0, and isotropic mips; the directions have the anisotropic mips from
-// 1 on, in the layout of voxels/mip_directional.comp.
+// As voxels/sample.glsl reads them.
 layout(binding = gather_binding) uniform sampler3D voxel_radiance;
 layout(binding = gather_binding + 1) uniform sampler3D voxel_radiance_directions;
 layout(binding = gather_binding + 2) uniform sampler3D voxel_emission;
@@ -33,42 +32,6 @@ layout(binding = gather_binding + 4, std140) uniform Gather {
 const float voxel_per_diameter = 0.5;
 const float step_per_diameter = 0.5;
 
-// Which of the six directions a ray sees, and how far it goes along each while it goes one voxel.
-struct Facing {
-    ivec3 slots;
-    vec3 lengths;
-};
-
-Facing facing_of(vec3 direction) {
-    return Facing(ivec3(0, 2, 4) + ivec3(lessThan(direction, vec3(0))), abs(direction));
-}
-
-vec4 sample_directions(sampler3D directions, vec3 uvw, Facing facing, float lod) {
-    // Half a texel of the coarser level that is filtered keeps neighbours in the atlas apart.
-    float margin = 0.5 * exp2(ceil(lod)) / (0.5 * gather.resolution);
-    float x = margin < 0.5 ? clamp(uvw.x, margin, 1.0 - margin) : 0.5;
-    // Optical depths add along a path, opacities do not: a wall that is opaque along one axis stays so for a slanted
-    // ray. The cap keeps the depth of an opaque voxel finite.
-    const float most_opaque = 0.996;
-    float depth = 0.0;
-    vec3 color = vec3(0);
-    for (int axis = 0; axis < 3; ++axis) {
-        vec3 place = vec3((float(facing.slots[axis]) + x) / 6.0, uvw.yz);
-        vec4 stored = textureLod(directions, place, lod);
-        float part = -facing.lengths[axis] * log(1.0 - min(stored.a, most_opaque));
-        depth += part;
-        color += part * stored.rgb / max(stored.a, 1e-4);
-    }
-    float opacity = 1.0 - exp(-depth);
-    return depth > 0.0 ? vec4(color / depth, 1) * opacity : vec4(0);
-}
-
-vec4 sample_volume(sampler3D base, sampler3D directions, vec3 uvw, Facing facing, float lod) {
-    if (!anisotropic) return textureLod(base, uvw, lod);
-    vec4 coarse = sample_directions(directions, uvw, facing, max(lod - 1.0, 0.0));
-    return lod < 1.0 ? mix(textureLod(base, uvw, 0.0), coarse, lod) : coarse;
-}
-
 // A cone ends when less than this part of the light behind gets through.
 const float min_transmittance = 0.01;
 
@@ -86,11 +49,12 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
         float stride = step_per_diameter * diameter;
         float lod = max(log2(voxel_per_diameter * diameter), 0.0);
         vec3 uvw = position / gather.resolution;
-        vec4 stored = sample_volume(voxel_radiance, voxel_radiance_directions, uvw, facing, lod);
+        vec4 stored = sample_volume(voxel_radiance, voxel_radiance_directions, uvw, facing, lod, gather.resolution);
         if (stored.a > 0.0) {
             vec3 leaving = gather_reflected ? stored.rgb * gather.radiance_unit : vec3(0);
             if (gather_emission) {
-                leaving += sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod).rgb *
+                leaving += sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod,
+                                         gather.resolution).rgb *
                            gather.emission_unit;
             }
             // Opacity is per voxel of path.
