@@ -85,6 +85,11 @@ inline VoxelMap<VoxelSums> voxelized_on_cpu(const std::vector<GridTriangle>& tri
             const glm::dvec2 slope(-normal[u] / normal[axis], -normal[v] / normal[axis]);
             const double height_tolerance = 1e-3 + 1e-5 * (std::abs(slope.x) + std::abs(slope.y));
 
+            double lowest = 1e30, highest = -1e30;
+            for (const glm::dvec3& corner : triangle.corners) {
+                lowest = std::min(lowest, corner[axis]);
+                highest = std::max(highest, corner[axis]);
+            }
             std::array<glm::dvec2, 3> p;
             for (size_t c = 0; c < 3; ++c) p[c] = {triangle.corners[c][u], triangle.corners[c][v]};
             if (normal[axis] < 0) std::swap(p[1], p[2]);
@@ -104,7 +109,8 @@ inline VoxelMap<VoxelSums> voxelized_on_cpu(const std::vector<GridTriangle>& tri
                     if (inside < -edge_tolerance) continue;
                     const glm::dvec2 from_anchor =
                         center - glm::dvec2(triangle.corners[0][u], triangle.corners[0][v]);
-                    const double height = triangle.corners[0][axis] + glm::dot(slope, from_anchor);
+                    const double height = std::clamp(
+                        triangle.corners[0][axis] + glm::dot(slope, from_anchor), lowest, highest);
                     const int lower = int(std::floor(height - height_tolerance));
                     const int upper = int(std::floor(height + height_tolerance));
                     const bool sure = surely_drawn && inside > edge_tolerance && lower == upper;

@@ -1,0 +1,66 @@
+// A fragment of a voxelized surface, and what its voxel is given. The includer defines MATERIAL, BASE_COLOR_TEXTURE and
+// what a destination needs:
+//   - MARKS, a binding: voxels are marked in an occupancy volume (voxels/occupancy.glsl), and nothing else is
+//     evaluated than whether the fragment is there;
+//   - or EMISSION_TEXTURE and SUMS, bindings, and before this file `ivec3 sum_cell(ivec3 voxel)`, which says where in
+//     the accumulator (voxels/accumulator.glsl) a voxel has its sums: the voxel itself in a dense volume.
+
+#include "common/voxel_grid.glsl"
+#include "common/material.glsl"
+#include "voxels/voxelize_push.glsl"
+
+layout(constant_id = 0) const bool alpha_test = false;
+
+struct VoxelFragment {
+    ivec3 voxel;        // inside the grid
+    float share;        // surface area that the fragment stands for, in voxel faces
+    vec2 uv0;
+    vec2 uv1;
+    vec4 color;         // the vertices'
+    vec2 uv_per_voxel;  // length of one voxel in each uv set
+    vec3 facing;        // unit normal of the front side
+};
+
+// The mip whose texels are as large as a voxel.
+float texel_lod(VoxelFragment f, uint role, ivec2 size) {
+    vec2 side = f.uv_per_voxel * sqrt(float(size.x) * float(size.y));
+    bool second_set = (material.flags >> role & 1u) != 0u;
+    return log2(max(second_set ? side.y : side.x, 1.0));
+}
+
+vec4 base_color_of(VoxelFragment f) {
+    return material_base_color_lod(f.uv0, f.uv1, f.color,
+                                   texel_lod(f, role_base_color, textureSize(base_color_texture, 0)));
+}
+
+#ifdef MARKS
+#include "voxels/occupancy.glsl"
+
+layout(binding = MARKS, r32ui) uniform uimage3D marks;
+
+void keep_fragment(VoxelFragment f) {
+    if (alpha_test && base_color_of(f).a < material.alpha_cutoff) return;
+    imageAtomicOr(marks, occupancy_texel(f.voxel), 1u << occupancy_bit(f.voxel));
+}
+#else
+#include "voxels/accumulate.glsl"
+
+layout(constant_id = 1) const bool emission = false;  // sums emission instead of base colour
+
+void keep_fragment(VoxelFragment f) {
+    vec4 base = base_color_of(f);
+    if (alpha_test && base.a < material.alpha_cutoff) return;
+    ivec3 cell = sum_cell(f.voxel);
+    // At least 1, so that a fragment of any slope marks its voxel.
+    float weight = max(floor(f.share * weight_unit + 0.5), 1.0);
+    vec3 value = base.rgb;
+    if (emission) {
+        value = push.emission_scale *
+                material_emission_lod(f.uv0, f.uv1, texel_lod(f, role_emission, textureSize(emission_texture, 0)));
+    }
+    add_color(cell, word_color, value, weight);
+    add(cell, word_weight, weight);
+    if (normals && !emission) add_color(cell, word_normal, f.facing * 0.5 + 0.5, weight);
+    if (translucent && !emission) add(cell, word_opacity, floor(clamp(base.a, 0.0, 1.0) * weight + 0.5));
+}
+#endif

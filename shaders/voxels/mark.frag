@@ -1,0 +1,2 @@
+#define MARKS 5
+#include "voxels/raster_fragment.glsl"
