@@ -11,6 +11,7 @@
 #include "rhi/check.hpp"
 #include "rhi/device_info.hpp"
 #include "rhi/error.hpp"
+#include "rhi/native.hpp"
 #include "rhi/plan.hpp"
 #include "rhi/resources.hpp"
 #include "rhi/work.hpp"
@@ -138,6 +139,10 @@ class Backend {
     virtual Result<CreatedBuffer> create_buffer(BufferHandle handle, const BufferDesc& desc) = 0;
     /// Returns the bytes taken from the device.
     virtual Result<uint64_t> create_texture(TextureHandle handle, const TextureDesc& desc) = 0;
+    /// A host's texture, which `destroy` leaves alone. Errors: invalid_argument (what cannot be such a texture),
+    /// unsupported (the device is not a host's, or lacks the format, size or use).
+    virtual Result<void> adopt_texture(TextureHandle handle, const TextureDesc& desc,
+                                       const NativeTexture& native) = 0;
     virtual Result<void> create_sampler(SamplerHandle handle, const SamplerDesc& desc) = 0;
     /// `options` are 32-bit values in the order of ProgramInfo::options. `raster` is null for compute.
     virtual Result<void> create_pipeline(PipelineHandle handle, const ProgramInfo& program,
@@ -154,7 +159,13 @@ class Backend {
     /// Records a pass, with a label, and time stamps around it. Host reads of copied data are ordered by
     /// `submit`.
     virtual void emit(const EmittedPass& pass) = 0;
-    virtual Result<void> submit() = 0;
+    /// `hand_back`: barriers after the last pass, of the host's textures that the submission used. Their accesses
+    /// and layouts by the host are `external`; so are those of barriers in front of a submission's first use.
+    virtual Result<void> submit(std::span<const Barrier> hand_back) = 0;
+    /// Of the open submission: its work waits for, or signals, what is the host's. `wait_for` comes before its
+    /// first pass. Error: unsupported.
+    virtual Result<void> wait_for(const NativeSync& sync) = 0;
+    virtual Result<void> signal(const NativeSync& sync) = 0;
     /// The last serial that the device has finished.
     virtual uint64_t completed() = 0;
     virtual Result<void> wait(uint64_t serial) = 0;

@@ -52,6 +52,8 @@ std::string_view to_string(Check check) {
             return "ticket_unknown";
         case Check::not_presentable:
             return "not_presentable";
+        case Check::sync_order:
+            return "sync_order";
         case Check::commands_spent:
             return "commands_spent";
         case Check::leaked_resource:

@@ -33,6 +33,7 @@ enum class Check : uint8_t {
     pass_open,        ///< a pass or submission is begun, or a submission ended, while one is open
     ticket_unknown,   ///< a readback that was taken already, never made, or not submitted
     not_presentable,  ///< presented without a window, twice in a submission, or what a window cannot show
+    sync_order,       ///< a wait for a host's work after the submission's first pass
     commands_spent,   ///< commands used after their submission, or a pass after its end
     leaked_resource,  ///< a resource outlived its device
 };

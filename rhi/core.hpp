@@ -4,6 +4,7 @@
 #include <map>
 #include <memory_resource>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ class DeviceCore {
     Result<Buffer> create_buffer(const BufferDesc& desc);
     Result<Texture> create_texture(const TextureDesc& desc);
     Result<Sampler> create_sampler(const SamplerDesc& desc);
+    Result<Texture> adopt_texture(const TextureDesc& desc, const NativeTexture& native);
     Result<PipelineHandle> create_pipeline(const ProgramInfo& program, std::span<const uint32_t> options,
                                            const RasterState* raster);
     /// For owners; the last one to go after the device takes the core with it.
@@ -60,6 +62,8 @@ class DeviceCore {
     void end_pass(uint64_t id);
     Result<BufferSlice> uniform(uint64_t serial, std::span<const std::byte> bytes);
     Result<void> present(uint64_t serial, TextureHandle texture, bool vsync);
+    Result<void> wait_for(uint64_t serial, const NativeSync& sync);
+    Result<void> signal(uint64_t serial, const NativeSync& sync);
 
     Result<void> dispatch(uint64_t id, PipelineHandle pipeline, std::span<const BindingValue> bindings,
                           std::span<const std::byte> push, Groups groups);
@@ -121,6 +125,8 @@ class DeviceCore {
     void add(OpenPass& pass, std::string_view what, std::span<const Use> uses, bool unordered,
              const Command& command);
     std::vector<Barrier> enter(OpenPass& pass, Scope scope);
+    std::vector<Barrier> hand_back();
+    void keep_trace(std::span<const Scope> scopes, std::span<const std::vector<Barrier>> barriers);
 
     Verdict bind(OpenPass& pass, PipelineHandle pipeline, std::span<const BindingValue> bindings,
                  std::span<const std::byte> push, Bound& bound);
@@ -152,8 +158,9 @@ class DeviceCore {
     HazardTracker tracker_;
 
     uint64_t submitted_ = 0;
-    uint64_t open_serial_ = 0;  ///< 0 while nothing is recorded
-    bool presented_ = false;    ///< in the open submission
+    uint64_t open_serial_ = 0;     ///< 0 while nothing is recorded
+    bool presented_ = false;       ///< in the open submission
+    std::set<MemoryId> borrowed_;  ///< the host's that the open submission used
     std::optional<Error> lost_;
     uint64_t last_pass_ = 0;
     std::unique_ptr<OpenPass> pass_;

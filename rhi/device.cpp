@@ -47,6 +47,20 @@ Result<Texture> DeviceCore::create_texture(const TextureDesc& desc) {
     });
 }
 
+Result<Texture> DeviceCore::adopt_texture(const TextureDesc& desc, const NativeTexture& native) {
+    if (auto fine = check_desc(desc, format_caps(desc.format), info().limits); !fine)
+        return tl::unexpected(fine.error());
+    if (native.object == 0)
+        return fail(ErrorKind::invalid_argument, desc.name, "no texture of the host's is named");
+    return resources_.adopt(desc, native).map([&](TextureHandle handle) {
+        tracker_.forget(MemoryId::Kind::texture, handle.index);
+        for (uint32_t mip = 0; mip < desc.mips; ++mip)
+            tracker_.adopt({MemoryId::Kind::texture, handle.index, mip});
+        ++owners_;
+        return Texture(*this, handle, desc);
+    });
+}
+
 Result<Sampler> DeviceCore::create_sampler(const SamplerDesc& desc) {
     if (auto fine = check_desc(desc); !fine) return tl::unexpected(fine.error());
     SamplerDesc possible = desc;
@@ -124,12 +138,24 @@ Submission DeviceCore::submit(uint64_t serial) {
         drop("submit", {Check::pass_open, fmt::format("pass \"{}\" is still open", pass_->name)});
         end_pass(pass_->id);
     }
+    const std::vector<Barrier> back = hand_back();
     submitted_ = std::exchange(open_serial_, 0);
-    if (auto done = lost_ ? Result<void>{} : backend_->submit(); !done) {
+    if (auto done = lost_ ? Result<void>{} : backend_->submit(back); !done) {
         lost_ = done.error();
         drop("submit", {Check::none, to_string(*lost_)});
     }
     return {submitted_};
+}
+
+/// What the open submission used of the host's is put back as the host expects it.
+std::vector<Barrier> DeviceCore::hand_back() {
+    if (borrowed_.empty()) return {};
+    Scope scope{.label = "hand back", .uses = {}};
+    for (const MemoryId& memory : std::exchange(borrowed_, {}))
+        scope.uses.push_back({.memory = memory, .access = Access::external, .layout = Layout::external});
+    std::vector<Barrier> barriers = tracker_.enter(scope);
+    if (tracing_) keep_trace({&scope, 1}, {&barriers, 1});
+    return barriers;
 }
 
 Result<void> DeviceCore::wait(uint64_t serial) {
@@ -199,6 +225,9 @@ FormatCaps Device::format_caps(Format format) const { return core_->format_caps(
 Result<Buffer> Device::create_buffer(const BufferDesc& desc) { return core_->create_buffer(desc); }
 Result<Texture> Device::create_texture(const TextureDesc& desc) { return core_->create_texture(desc); }
 Result<Sampler> Device::create_sampler(const SamplerDesc& desc) { return core_->create_sampler(desc); }
+Result<Texture> Device::adopt_texture(const TextureDesc& desc, const NativeTexture& native) {
+    return core_->adopt_texture(desc, native);
+}
 Result<PipelineHandle> Device::create_pipeline(const ProgramInfo& program, std::span<const uint32_t> options,
                                                const RasterState* state) {
     return core_->create_pipeline(program, options, state);

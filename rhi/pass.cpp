@@ -25,6 +25,10 @@ void Commands::present(const Texture& texture, bool vsync) {
     (void)core_->present(serial_, texture.handle(), vsync);
 }
 
+void Commands::wait(const NativeSync& sync) { (void)core_->wait_for(serial_, sync); }
+
+void Commands::signal(const NativeSync& sync) { (void)core_->signal(serial_, sync); }
+
 void PassBase::end() {
     if (id_) core_->end_pass(std::exchange(id_, 0));
 }

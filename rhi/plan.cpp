@@ -14,7 +14,7 @@ constexpr std::array staged_accesses{Access::uniform_read, Access::sampled_read,
                                      Access::storage_write};
 constexpr std::array plain_accesses{Access::indirect_read,    Access::index_read, Access::color_attachment,
                                     Access::depth_attachment, Access::copy_read,  Access::copy_write,
-                                    Access::host_read,        Access::present};
+                                    Access::host_read,        Access::external};
 constexpr Reach everything = ~Reach{0};
 
 }  // namespace
@@ -31,7 +31,9 @@ Reach reach_of(Access access, Stages stages) {
 std::vector<Barrier> HazardTracker::enter(const Scope& scope) {
     std::vector<Barrier> barriers;
     for (const Use& use : scope.uses) {
-        MemoryState& state = states_[use.memory];
+        Entry& entry = states_[use.memory];
+        MemoryState& state = entry.now;
+        if (std::exchange(entry.touched, mark_) != mark_) entry.at_mark = state;
         const bool writes = is_write(use.access);
         const bool moves = use.layout != state.layout;
         const Reach reach = reach_of(use.access, use.stages);
@@ -82,11 +84,20 @@ std::vector<Barrier> HazardTracker::enter(const Scope& scope) {
     return barriers;
 }
 
+void HazardTracker::adopt(const MemoryId& memory) {
+    states_[memory].now = {.write = Access::external, .layout = Layout::external, .run_visible = everything};
+}
+
 void HazardTracker::forget(MemoryId::Kind kind, uint32_t index) {
     auto first = states_.lower_bound({kind, index, 0});
     auto last = first;
     while (last != states_.end() && last->first.kind == kind && last->first.index == index) ++last;
     states_.erase(first, last);
+}
+
+void HazardTracker::rewind() {
+    for (auto& [memory, entry] : states_)
+        if (entry.touched == mark_) entry.now = entry.at_mark;
 }
 
 MergedUses merge_uses(std::span<const Use> uses, Sharing sharing) {
@@ -147,7 +158,7 @@ std::string access_text(Access access, Stages stages) {
         {Access::copy_read, "copy_read"},
         {Access::copy_write, "copy_write"},
         {Access::host_read, "host_read"},
-        {Access::present, "present"},
+        {Access::external, "external"},
     }};
     static constexpr std::array<std::pair<Stages, std::string_view>, 4> stage_names{{
         {Stages::vertex, "vertex"},
@@ -177,8 +188,8 @@ std::string_view layout_text(Layout layout) {
             return "copy_source";
         case Layout::copy_destination:
             return "copy_destination";
-        case Layout::present:
-            return "present";
+        case Layout::external:
+            return "external";
     }
     return "unknown";
 }

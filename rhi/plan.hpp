@@ -31,13 +31,13 @@ enum class Access : uint16_t {
     copy_read = 256,
     copy_write = 512,
     host_read = 1024,
-    present = 2048,
+    external = 2048,  ///< all that a host does with its own texture between submissions
 };
 template <>
 inline constexpr bool is_flags<Access> = true;
 
-inline constexpr Access write_accesses =
-    Access::storage_write | Access::color_attachment | Access::depth_attachment | Access::copy_write;
+inline constexpr Access write_accesses = Access::storage_write | Access::color_attachment |
+                                         Access::depth_attachment | Access::copy_write | Access::external;
 
 constexpr bool is_write(Access access) { return has(access, write_accesses); }
 
@@ -60,7 +60,7 @@ enum class Layout : uint8_t {
     depth_attachment,
     copy_source,
     copy_destination,
-    present
+    external  ///< what the host of a texture named (rhi/native.hpp)
 };
 
 struct Use {
@@ -121,11 +121,24 @@ class HazardTracker {
   public:
     /// The barriers that `scope` needs in front of it, sorted by memory; then counts the scope as done.
     std::vector<Barrier> enter(const Scope& scope);
+    /// A texture's mip is in the hands of its host.
+    void adopt(const MemoryId& memory);
     /// Forgets a destroyed resource.
     void forget(MemoryId::Kind kind, uint32_t index);
 
+    /// Scopes entered from here on can be taken back.
+    void mark() { ++mark_; }
+    /// Takes back the scopes entered since the mark: they never ran.
+    void rewind();
+
   private:
-    std::map<MemoryId, MemoryState> states_;
+    struct Entry {
+        MemoryState now;
+        MemoryState at_mark;  ///< valid where `touched` is the current mark
+        uint64_t touched = 0;
+    };
+    std::map<MemoryId, Entry> states_;
+    uint64_t mark_ = 1;
 };
 
 /// Whose uses are brought together: the bindings of one command, or the draws of one raster pass.

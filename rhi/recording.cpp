@@ -74,18 +74,21 @@ void DeviceCore::end_pass(uint64_t id) {
     }
     if (!lost_) backend_->emit(emitted);
 
-    Record& record = records_[open_serial_];
-    record.passes.push_back(pass.name);
-    if (tracing_) {
-        std::map<MemoryId, std::string> names;
-        for (const Scope& scope : pass.scopes)
-            for (const Use& use : scope.uses) names.emplace(use.memory, resources_.name_of(use.memory));
-        record.trace += to_text(pass.scopes, pass.barriers, names);
-    }
+    records_[open_serial_].passes.push_back(pass.name);
+    if (tracing_) keep_trace(pass.scopes, pass.barriers);
     pass_.reset();
 }
 
+void DeviceCore::keep_trace(std::span<const Scope> scopes, std::span<const std::vector<Barrier>> barriers) {
+    std::map<MemoryId, std::string> names;
+    for (const Scope& scope : scopes)
+        for (const Use& use : scope.uses) names.emplace(use.memory, resources_.name_of(use.memory));
+    records_[open_serial_].trace += to_text(scopes, barriers, names);
+}
+
 std::vector<Barrier> DeviceCore::enter(OpenPass& pass, Scope scope) {
+    for (const Use& use : scope.uses)
+        if (resources_.is_adopted(use.memory)) borrowed_.insert(use.memory);
     std::vector<Barrier> barriers = tracker_.enter(scope);
     if (tracing_) {
         pass.scopes.push_back(std::move(scope));
@@ -444,6 +447,24 @@ Result<void> DeviceCore::present(uint64_t serial, TextureHandle handle, bool vsy
     });
     end_pass(id);
     return recorded;
+}
+
+// -- a host's work around a submission
+
+Result<void> DeviceCore::wait_for(uint64_t serial, const NativeSync& sync) {
+    if (!recording(serial)) return fail(ErrorKind::invalid_argument, "wait", "its commands are spent");
+    if (pass_ || !records_[serial].passes.empty())
+        return drop("wait", {Check::sync_order, "the submission has passes already"});
+    auto told = lost_ ? Result<void>{} : backend_->wait_for(sync);
+    if (!told) return drop("wait", {Check::none, to_string(told.error()), told.error().kind});
+    return told;
+}
+
+Result<void> DeviceCore::signal(uint64_t serial, const NativeSync& sync) {
+    if (!recording(serial)) return fail(ErrorKind::invalid_argument, "signal", "its commands are spent");
+    auto told = lost_ ? Result<void>{} : backend_->signal(sync);
+    if (!told) return drop("signal", {Check::none, to_string(told.error()), told.error().kind});
+    return told;
 }
 
 }  // namespace lumo::rhi

@@ -35,6 +35,13 @@ Result<TextureHandle> ResourceTable::create(const TextureDesc& desc) {
     return handle;
 }
 
+Result<TextureHandle> ResourceTable::adopt(const TextureDesc& desc, const NativeTexture& native) {
+    const TextureHandle handle = textures_.add(next_generation(), {.desc = desc, .adopted = true});
+    auto made = backend_.adopt_texture(handle, desc, native);
+    if (!made) return undo(textures_, handle, std::move(made.error()));
+    return handle;
+}
+
 Result<SamplerHandle> ResourceTable::create(const SamplerDesc& desc) {
     const SamplerHandle handle = samplers_.add(next_generation(), {.desc = desc});
     auto made = backend_.create_sampler(handle, desc);

@@ -20,6 +20,7 @@ struct BufferRecord {
 struct TextureRecord {
     TextureDesc desc;
     uint64_t bytes = 0;
+    bool adopted = false;  ///< a host's
 };
 struct SamplerRecord {
     SamplerDesc desc;
@@ -80,6 +81,7 @@ class ResourceTable {
 
     Result<BufferHandle> create(const BufferDesc& desc, bool internal);
     Result<TextureHandle> create(const TextureDesc& desc);
+    Result<TextureHandle> adopt(const TextureDesc& desc, const NativeTexture& native);
     Result<SamplerHandle> create(const SamplerDesc& desc);
     Result<PipelineHandle> create(const ProgramInfo& program, std::span<const uint32_t> options,
                                   const RasterState* raster);
@@ -89,6 +91,9 @@ class ResourceTable {
     SamplerRecord* find(SamplerHandle handle) { return samplers_.find(handle); }
     PipelineRecord* find(PipelineHandle handle) { return pipelines_.find(handle); }
     std::string name_of(const MemoryId& memory) const;
+    bool is_adopted(const MemoryId& memory) const {
+        return memory.kind == MemoryId::Kind::texture && textures_.at(memory.index).adopted;
+    }
 
     /// The handle is stale from now on; the resource goes once the device has finished submission `serial`.
     template <class HandleType>

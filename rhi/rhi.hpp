@@ -30,6 +30,7 @@
 #include "rhi/check.hpp"
 #include "rhi/device_info.hpp"
 #include "rhi/error.hpp"
+#include "rhi/native.hpp"
 #include "rhi/resources.hpp"
 #include "rhi/work.hpp"
 
@@ -185,6 +186,13 @@ class Commands {
     /// is minimised.
     void present(const Texture& texture, bool vsync = true);
 
+    /// The submission's work starts when `sync` is signalled; before its first pass. On the adopted device of a
+    /// host alone (rhi/native.hpp).
+    void wait(const NativeSync& sync);
+    /// Signals a semaphore when the submission's work is done. Not on OpenGL, where a fence is made by the call
+    /// that signals it: there the host puts its own behind Device::submit.
+    void signal(const NativeSync& sync);
+
   private:
     friend class Device;
     Commands(DeviceCore* core, uint64_t serial) : core_(core), serial_(serial) {}
@@ -207,6 +215,9 @@ class Device {
     Result<Buffer> create_buffer(const BufferDesc& desc);
     Result<Texture> create_texture(const TextureDesc& desc);
     Result<Sampler> create_sampler(const SamplerDesc& desc);
+    /// A host's texture under lumo's name; it takes no memory, and its owner destroys nothing of the host's. On
+    /// the adopted device of a host alone (rhi/native.hpp). Errors: invalid_argument, unsupported.
+    Result<Texture> adopt_texture(const TextureDesc& desc, const NativeTexture& native);
     /// Errors: shader, unsupported, out_of_memory.
     template <Program P>
     Result<ComputePipeline<P>> create_compute_pipeline(const typename P::Options& options = {}) {

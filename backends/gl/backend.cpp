@@ -78,6 +78,10 @@ float encode_srgb(float linear) {
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
 }
 
+tl::unexpected<Error> not_adopted(std::string subject) {
+    return fail(ErrorKind::unsupported, std::move(subject), "the device was not made from a host's context");
+}
+
 /// A clear value as texels of a transfer format.
 struct ClearTexel {
     GLenum transfer;
@@ -120,6 +124,10 @@ class GlBackend final : public rhi::Backend {
     Result<uint64_t> create_texture(rhi::TextureHandle handle, const rhi::TextureDesc& desc) override {
         return current().resources_.create(handle, desc);
     }
+    Result<void> adopt_texture(rhi::TextureHandle, const rhi::TextureDesc& desc,
+                               const rhi::NativeTexture&) override {
+        return not_adopted(desc.name);
+    }
     Result<void> create_sampler(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) override {
         return current().resources_.create(handle, desc);
     }
@@ -135,7 +143,9 @@ class GlBackend final : public rhi::Backend {
 
     Result<void> begin(uint64_t serial) override { return current().timeline_.begin(serial); }
     void emit(const rhi::EmittedPass& pass) override;
-    Result<void> submit() override {
+    Result<void> wait_for(const rhi::NativeSync&) override { return not_adopted("wait"); }
+    Result<void> signal(const rhi::NativeSync&) override { return not_adopted("signal"); }
+    Result<void> submit(std::span<const rhi::Barrier>) override {
         return current()
             .timeline_.submit()
             .and_then([] { return check_errors("submission"); })

@@ -56,6 +56,8 @@ Result<void> Executor::check(VkResult result, std::string_view call) {
 Result<void> Executor::begin(uint64_t serial) {
     last_serial_ = serial;
     recorded_ = {};
+    waits_.clear();
+    signals_.clear();
     Frame& frame = frames_[serial % frames_.size()];
     if (frame.serial) {
         if (auto done = wait(frame.serial); !done) return done;
@@ -95,13 +97,15 @@ void Executor::emit(const rhi::EmittedPass& pass) {
     if (timed) stamp(0);
     // llvmpipe takes a stamp when it next flushes its draws: without this, after the pass's dispatches.
     if (serialised) order_everything();
-    const size_t slot = open_->serial % frames_.size();
-    auto done = Recorder(gpu_, store_, swapchain_, slot, open_->sets, open_->commands).record(pass);
-    if (!done) recorded_ = done;
+    if (auto done = recorder(*open_).record(pass); !done) recorded_ = done;
     if (serialised) order_everything();
     if (timed) stamp(1);
     if (debug.end_label) debug.end_label(open_->commands);
     ++open_->passes;
+}
+
+Recorder Executor::recorder(Frame& frame) {
+    return {gpu_, store_, swapchain_, frame.serial % frames_.size(), frame.sets, frame.commands};
 }
 
 /// Without memory accesses, so that the pass's times add up and yet nothing becomes visible that the plan's
@@ -137,9 +141,27 @@ void Executor::stamp(uint32_t which) {
                              open_->passes % passes_per_pool * 2 + which);
 }
 
-Result<void> Executor::submit() {
+Result<void> Executor::wait_for(const rhi::NativeSync& sync) { return add(waits_, sync); }
+
+Result<void> Executor::signal(const rhi::NativeSync& sync) { return add(signals_, sync); }
+
+Result<void> Executor::add(std::vector<VkSemaphoreSubmitInfo>& semaphores, const rhi::NativeSync& sync) {
+    if (!gpu_.is_adopted())
+        return fail(ErrorKind::unsupported, gpu_.info().name, "the device was not made from a host's");
+    semaphores.push_back({.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                          .semaphore = handle_of<VkSemaphore>(sync.object),
+                          .value = sync.value,
+                          .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT});
+    return {};
+}
+
+Result<void> Executor::submit(std::span<const rhi::Barrier> hand_back) {
     if (!open_) return check(VK_ERROR_DEVICE_LOST, "submit");
     Frame& frame = *std::exchange(open_, nullptr);
+    if (!hand_back.empty()) {
+        const rhi::EmittedPass barriers_alone{.barriers = {hand_back.begin(), hand_back.end()}};
+        (void)recorder(frame).record(barriers_alone);
+    }
     VkMemoryBarrier2 to_host{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
                              .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                              .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
@@ -151,20 +173,21 @@ Result<void> Executor::submit() {
     VkResult result = vk_.vkEndCommandBuffer(frame.commands);
     VkCommandBufferSubmitInfo commands{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                        .commandBuffer = frame.commands};
-    VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-                                 .semaphore = timeline_.get(),
-                                 .value = frame.serial,
-                                 .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
-    const auto window = swapchain_.semaphores();
-    const VkSemaphoreSubmitInfo waits[] = {window ? window->free : VkSemaphoreSubmitInfo{}};
-    const VkSemaphoreSubmitInfo signals[] = {signal, window ? window->drawn : VkSemaphoreSubmitInfo{}};
+    signals_.push_back({.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                        .semaphore = timeline_.get(),
+                        .value = frame.serial,
+                        .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT});
+    if (const auto window = swapchain_.semaphores()) {
+        waits_.push_back(window->free);
+        signals_.push_back(window->drawn);
+    }
     VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                       .waitSemaphoreInfoCount = window ? 1u : 0u,
-                       .pWaitSemaphoreInfos = waits,
+                       .waitSemaphoreInfoCount = uint32_t(waits_.size()),
+                       .pWaitSemaphoreInfos = waits_.data(),
                        .commandBufferInfoCount = result == VK_SUCCESS ? 1u : 0u,
                        .pCommandBufferInfos = &commands,
-                       .signalSemaphoreInfoCount = window ? 2u : 1u,
-                       .pSignalSemaphoreInfos = signals};
+                       .signalSemaphoreInfoCount = uint32_t(signals_.size()),
+                       .pSignalSemaphoreInfos = signals_.data()};
     if (result != VK_SUCCESS) frame.passes = 0;
     // Submitted even when recording failed, because its serial is waited for.
     VkResult submitted = vk_.vkQueueSubmit2(gpu_.queue(), 1, &info, VK_NULL_HANDLE);

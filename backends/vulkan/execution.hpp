@@ -20,7 +20,10 @@ class Executor {
 
     Result<void> begin(uint64_t serial);
     void emit(const rhi::EmittedPass& pass);
-    Result<void> submit();
+    Result<void> submit(std::span<const rhi::Barrier> hand_back);
+    /// Of the open submission; semaphores of a host.
+    Result<void> wait_for(const rhi::NativeSync& sync);
+    Result<void> signal(const rhi::NativeSync& sync);
     uint64_t completed();
     Result<void> wait(uint64_t serial);
     std::vector<rhi::PassStamp> stamps(uint64_t serial);
@@ -39,6 +42,8 @@ class Executor {
     Executor(const Gpu& gpu, Store& store) : gpu_(gpu), vk_(gpu.vk()), store_(store), swapchain_(gpu) {}
     Result<void> check(VkResult result, std::string_view call);
     Result<void> make_room_for_stamps();
+    Result<void> add(std::vector<VkSemaphoreSubmitInfo>& semaphores, const rhi::NativeSync& sync);
+    Recorder recorder(Frame& frame);
     void stamp(uint32_t which);
     void order_everything();
     void read_stamps(Frame& frame);
@@ -50,7 +55,9 @@ class Executor {
     Unique<VkSemaphore> timeline_;
     std::array<Frame, rhi::max_in_flight> frames_;
     Frame* open_ = nullptr;
-    Result<void> recorded_;  ///< what went wrong since begin
+    std::vector<VkSemaphoreSubmitInfo> waits_;    ///< of the open submission, for the host's
+    std::vector<VkSemaphoreSubmitInfo> signals_;  ///< likewise
+    Result<void> recorded_;                       ///< what went wrong since begin
     bool lost_ = false;
     uint64_t last_serial_ = 0;
     std::map<uint64_t, std::vector<rhi::PassStamp>> stamps_;

@@ -50,6 +50,16 @@ class Unique {
     Destroy destroy_ = nullptr;
 };
 
+/// A host's handle out of the number that stands for it. Some are pointers, some are numbers, by platform.
+template <class T>
+T handle_of(uint64_t number) {
+    if constexpr (std::is_pointer_v<T>) {
+        return reinterpret_cast<T>(uintptr_t(number));
+    } else {
+        return number;
+    }
+}
+
 /// What a failed call means to the caller; `call` says which.
 tl::unexpected<Error> fail(VkResult result, std::string subject, std::string_view call);
 
@@ -74,6 +84,8 @@ class Gpu {
     VkSurfaceKHR surface() const { return surface_; }
     rhi::Extent window_size() const { return window_->size(); }
 
+    /// A host's, which is not destroyed.
+    bool is_adopted() const { return adopted_; }
     const rhi::DeviceInfo& info() const { return info_; }
     rhi::FormatCaps format_caps(rhi::Format format) const { return format_caps_[size_t(format)]; }
     const VkPhysicalDeviceProperties& properties() const { return properties_; }
@@ -114,6 +126,7 @@ class Gpu {
     std::array<rhi::FormatCaps, rhi::format_count> format_caps_{};
     uint32_t queue_family_ = 0;
     uint32_t timestamp_bits_ = 0;
+    bool adopted_ = false;
     bool push_descriptors_ = false;
     bool multi_draw_indirect_ = false;
     bool budget_ = false;

@@ -102,15 +102,15 @@ void Recorder::barriers(std::span<const rhi::Barrier> barriers) {
             continue;
         }
         const Texture& texture = store_.textures[barrier.memory.index];
-        auto old_layout = barrier.discard ? rhi::Layout::undefined : barrier.before_layout;
         images.push_back(
             {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
              .srcStageMask = before.stages,
              .srcAccessMask = before.access,
              .dstStageMask = after.stages,
              .dstAccessMask = after.access,
-             .oldLayout = to_vk(old_layout),
-             .newLayout = to_vk(barrier.after_layout),
+             .oldLayout =
+                 barrier.discard ? VK_IMAGE_LAYOUT_UNDEFINED : texture.layout_before(barrier.before_layout),
+             .newLayout = texture.layout_after(barrier.after_layout),
              .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
              .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
              .image = texture.image(),

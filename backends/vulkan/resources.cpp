@@ -35,45 +35,36 @@ bool may_be_cube(const rhi::TextureDesc& desc) {
            desc.extent.width == desc.extent.height;
 }
 
-}  // namespace
+/// What Vulkan is asked about an image before there is one. It points into itself.
+struct ImageShape {
+    ImageShape(const rhi::TextureDesc& desc, VkImageUsageFlags more_usage) {
+        formats.push_back(to_vk(desc.format));
+        for (auto format : desc.view_formats) formats.push_back(to_vk(format));
+        list = {.sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_LIST_CREATE_INFO,
+                .viewFormatCount = uint32_t(formats.size()),
+                .pViewFormats = formats.data()};
+        asked = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_FORMAT_INFO_2,
+                 .format = formats[0],
+                 .type = image_type(desc.dimension),
+                 .tiling = VK_IMAGE_TILING_OPTIMAL,
+                 .usage = image_usage(desc.usage, desc.format) | more_usage};
+        if (may_be_cube(desc)) asked.flags |= VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT;
+        if (formats.size() == 1) return;
+        asked.pNext = &list;
+        // Extended usage: a view in another format may be stored to where the texture's own format may not.
+        asked.flags |= VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_EXTENDED_USAGE_BIT;
+    }
+    ImageShape(const ImageShape&) = delete;
+    ImageShape& operator=(const ImageShape&) = delete;
 
-Result<Buffer> create_buffer(const Gpu& gpu, Allocator& allocator, const rhi::BufferDesc& desc) {
-    VkBufferUsageFlags usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-    if (has(desc.usage, BufferUsage::storage)) usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    if (has(desc.usage, BufferUsage::uniform)) usage |= VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
-    if (has(desc.usage, BufferUsage::index)) usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-    if (has(desc.usage, BufferUsage::indirect)) usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
-    VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = desc.size, .usage = usage};
-    auto buffer = gpu.make<VkBuffer>(gpu.vk().vkCreateBuffer, gpu.vk().vkDestroyBuffer, info, desc.name,
-                                     VK_OBJECT_TYPE_BUFFER);
-    if (!buffer) return tl::unexpected(buffer.error());
-    auto memory = allocator.bind(buffer->get(), VK_NULL_HANDLE, desc.memory, desc.name);
-    if (!memory) return tl::unexpected(memory.error());
-    return Buffer{std::move(*memory), std::move(*buffer)};
-}
+    std::vector<VkFormat> formats;
+    VkImageFormatListCreateInfo list;
+    VkPhysicalDeviceImageFormatInfo2 asked;
+};
 
-Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi::TextureDesc& desc) {
-    std::vector<VkFormat> formats{to_vk(desc.format)};
-    for (auto format : desc.view_formats) formats.push_back(to_vk(format));
-    VkImageFormatListCreateInfo list{.sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_LIST_CREATE_INFO,
-                                     .viewFormatCount = uint32_t(formats.size()),
-                                     .pViewFormats = formats.data()};
-    VkImageCreateFlags flags = 0;
-    // Extended usage: a view in another format may be stored to where the texture's own format may not.
-    if (formats.size() > 1) flags |= VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT | VK_IMAGE_CREATE_EXTENDED_USAGE_BIT;
-    if (may_be_cube(desc)) flags |= VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT;
-    VkImageUsageFlags usage = image_usage(desc.usage, desc.format) | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
-                              VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-
-    VkPhysicalDeviceImageFormatInfo2 asked{
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_FORMAT_INFO_2,
-        .pNext = formats.size() > 1 ? &list : nullptr,
-        .format = formats[0],
-        .type = image_type(desc.dimension),
-        .tiling = VK_IMAGE_TILING_OPTIMAL,
-        .usage = usage,
-        .flags = flags,
-    };
+/// Error: unsupported.
+Result<void> check_shape(const Gpu& gpu, const rhi::TextureDesc& desc,
+                         const VkPhysicalDeviceImageFormatInfo2& asked) {
     VkImageFormatProperties2 allowed{.sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_PROPERTIES_2};
     VkResult result = gpu.instance().vk().image_format_properties(gpu.physical(), &asked, &allowed);
     const auto& limit = allowed.imageFormatProperties;
@@ -93,10 +84,34 @@ Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi:
                         desc.samples, limit.maxExtent.width, limit.maxExtent.height, limit.maxExtent.depth,
                         limit.maxArrayLayers, limit.maxMipLevels, limit.sampleCounts));
     }
+    return {};
+}
+
+}  // namespace
+
+Result<Buffer> create_buffer(const Gpu& gpu, Allocator& allocator, const rhi::BufferDesc& desc) {
+    VkBufferUsageFlags usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    if (has(desc.usage, BufferUsage::storage)) usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    if (has(desc.usage, BufferUsage::uniform)) usage |= VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
+    if (has(desc.usage, BufferUsage::index)) usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    if (has(desc.usage, BufferUsage::indirect)) usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+    VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = desc.size, .usage = usage};
+    auto buffer = gpu.make<VkBuffer>(gpu.vk().vkCreateBuffer, gpu.vk().vkDestroyBuffer, info, desc.name,
+                                     VK_OBJECT_TYPE_BUFFER);
+    if (!buffer) return tl::unexpected(buffer.error());
+    auto memory = allocator.bind(buffer->get(), VK_NULL_HANDLE, desc.memory, desc.name);
+    if (!memory) return tl::unexpected(memory.error());
+    return Buffer{std::move(*memory), std::move(*buffer)};
+}
+
+Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi::TextureDesc& desc) {
+    const ImageShape shape(desc, VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
+    const auto& asked = shape.asked;
+    if (auto fine = check_shape(gpu, desc, asked); !fine) return tl::unexpected(fine.error());
     VkImageCreateInfo info{
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
         .pNext = asked.pNext,
-        .flags = flags,
+        .flags = asked.flags,
         .imageType = asked.type,
         .format = asked.format,
         .extent = {desc.extent.width, desc.extent.height, desc.extent.depth},
@@ -104,7 +119,7 @@ Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi:
         .arrayLayers = desc.layers,
         .samples = VkSampleCountFlagBits(desc.samples),
         .tiling = asked.tiling,
-        .usage = usage,
+        .usage = asked.usage,
     };
     auto image = gpu.make<VkImage>(gpu.vk().vkCreateImage, gpu.vk().vkDestroyImage, info, desc.name,
                                    VK_OBJECT_TYPE_IMAGE);
@@ -114,8 +129,36 @@ Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi:
     Texture made;
     made.desc_ = desc;
     made.memory_ = std::move(*memory);
-    made.image_ = std::move(*image);
+    made.image_ = image->get();
+    made.owned_ = std::move(*image);
     return made;
+}
+
+Result<Texture> Texture::adopt(const Gpu& gpu, const rhi::TextureDesc& desc,
+                               const rhi::NativeTexture& native) {
+    if (!gpu.is_adopted())
+        return fail(ErrorKind::unsupported, desc.name, "the device was not made from a host's");
+    const auto after = VkImageLayout(native.layout_after);
+    if (after == VK_IMAGE_LAYOUT_UNDEFINED || after == VK_IMAGE_LAYOUT_PREINITIALIZED)
+        return fail(ErrorKind::invalid_argument, desc.name,
+                    "layout_after is undefined or preinitialized, which no image can be left in",
+                    "name the layout that the host goes on with");
+    // Not the uses that lumo's own textures have besides: the host's image may lack them.
+    if (auto fine = check_shape(gpu, desc, ImageShape(desc, 0).asked); !fine)
+        return tl::unexpected(fine.error());
+    Texture made;
+    made.desc_ = desc;
+    made.image_ = handle_of<VkImage>(native.object);
+    made.native_ = native;
+    return made;
+}
+
+VkImageLayout Texture::layout_before(rhi::Layout layout) const {
+    return layout == rhi::Layout::external ? VkImageLayout(native_.layout_before) : to_vk(layout);
+}
+
+VkImageLayout Texture::layout_after(rhi::Layout layout) const {
+    return layout == rhi::Layout::external ? VkImageLayout(native_.layout_after) : to_vk(layout);
 }
 
 VkImageAspectFlags Texture::aspect() const { return aspect_of(desc_.format); }

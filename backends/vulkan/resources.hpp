@@ -6,6 +6,8 @@
 
 #include "backends/vulkan/gpu.hpp"
 #include "backends/vulkan/memory.hpp"
+#include "rhi/native.hpp"
+#include "rhi/plan.hpp"
 #include "rhi/resources.hpp"
 
 namespace lumo::backends::vulkan {
@@ -23,10 +25,18 @@ class Texture {
     /// Errors: unsupported (the format, size or use), out_of_memory.
     static Result<Texture> create(const Gpu& gpu, Allocator& allocator, const rhi::TextureDesc& desc);
 
-    VkImage image() const { return image_.get(); }
+    /// A host's image. Errors: unsupported (likewise), invalid_argument (a layout that no image can be left in).
+    static Result<Texture> adopt(const Gpu& gpu, const rhi::TextureDesc& desc,
+                                 const rhi::NativeTexture& native);
+
+    VkImage image() const { return image_; }
     const rhi::TextureDesc& desc() const { return desc_; }
+    /// Of an image of lumo's own.
     uint64_t allocated_bytes() const { return memory_->size; }
     VkImageAspectFlags aspect() const;
+    /// For the two sides of a barrier.
+    VkImageLayout layout_before(rhi::Layout layout) const;
+    VkImageLayout layout_after(rhi::Layout layout) const;
     /// The layout in which shaders use it.
     VkImageLayout shader_layout() const;
 
@@ -37,7 +47,9 @@ class Texture {
   private:
     rhi::TextureDesc desc_;
     Allocation memory_{};
-    Unique<VkImage> image_;
+    Unique<VkImage> owned_;
+    VkImage image_ = VK_NULL_HANDLE;
+    rhi::NativeTexture native_;  ///< layouts of a host's image
     std::vector<std::pair<std::pair<rhi::TextureView, rhi::TextureUsage>, Unique<VkImageView>>> views_;
 };
 

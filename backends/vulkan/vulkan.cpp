@@ -43,6 +43,12 @@ class VulkanBackend : public rhi::Backend {
             return bytes;
         });
     }
+    Result<void> adopt_texture(rhi::TextureHandle handle, const rhi::TextureDesc& desc,
+                               const rhi::NativeTexture& native) override {
+        return Texture::adopt(*gpu_, desc, native).map([&](Texture&& texture) {
+            place(store_.textures, handle.index, std::move(texture));
+        });
+    }
     Result<void> create_sampler(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) override {
         return vulkan::create_sampler(*gpu_, desc).map([&](Unique<VkSampler>&& sampler) {
             place(store_.samplers, handle.index, std::move(sampler));
@@ -62,7 +68,11 @@ class VulkanBackend : public rhi::Backend {
 
     Result<void> begin(uint64_t serial) override { return executor_->begin(serial); }
     void emit(const rhi::EmittedPass& pass) override { executor_->emit(pass); }
-    Result<void> submit() override { return executor_->submit(); }
+    Result<void> submit(std::span<const rhi::Barrier> hand_back) override {
+        return executor_->submit(hand_back);
+    }
+    Result<void> wait_for(const rhi::NativeSync& sync) override { return executor_->wait_for(sync); }
+    Result<void> signal(const rhi::NativeSync& sync) override { return executor_->signal(sync); }
     uint64_t completed() override { return executor_->completed(); }
     Result<void> wait(uint64_t serial) override { return executor_->wait(serial); }
     std::vector<rhi::PassStamp> stamps(uint64_t serial) override { return executor_->stamps(serial); }

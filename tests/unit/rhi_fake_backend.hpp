@@ -35,6 +35,8 @@ struct State {
     std::vector<uint64_t> begun;
     std::vector<Emitted> passes;
     std::map<uint64_t, std::vector<PassStamp>> stamps;
+    std::vector<uint64_t> waits, signals;  ///< objects of the host's
+    std::vector<Barrier> handed_back;      ///< with the last submission
 
     std::map<uint32_t, std::vector<std::byte>> buffers;  ///< by index, alive on the device
     std::map<uint32_t, std::string> textures;
@@ -80,6 +82,11 @@ class FakeBackend : public Backend {
         if (auto error = failure("create_texture")) return tl::unexpected(*error);
         state_.textures[handle.index] = desc.name;
         return region_bytes(desc.format, whole_mip(desc));
+    }
+    Result<void> adopt_texture(TextureHandle handle, const TextureDesc& desc, const NativeTexture&) override {
+        if (auto error = failure("adopt_texture")) return tl::unexpected(*error);
+        state_.textures[handle.index] = desc.name;
+        return {};
     }
     Result<void> create_sampler(SamplerHandle handle, const SamplerDesc& desc) override {
         if (auto error = failure("create_sampler")) return tl::unexpected(*error);
@@ -131,8 +138,19 @@ class FakeBackend : public Backend {
         const uint64_t start = 1000 * state_.stamps[serial].size();
         state_.stamps[serial].push_back({start, start + 500'000 * (1 + pass.steps.size())});
     }
-    Result<void> submit() override {
+    Result<void> wait_for(const NativeSync& sync) override {
+        if (auto error = failure("wait_for")) return tl::unexpected(*error);
+        state_.waits.push_back(sync.object);
+        return {};
+    }
+    Result<void> signal(const NativeSync& sync) override {
+        if (auto error = failure("signal")) return tl::unexpected(*error);
+        state_.signals.push_back(sync.object);
+        return {};
+    }
+    Result<void> submit(std::span<const Barrier> hand_back) override {
         if (auto error = failure("submit")) return tl::unexpected(*error);
+        state_.handed_back.assign(hand_back.begin(), hand_back.end());
         state_.submitted = state_.begun.back();
         if (state_.finish_at_once) state_.completed = state_.submitted;
         return {};

@@ -1,0 +1,29 @@
+// What a host of another making hands to lumo: textures of its own, and what orders its work with lumo's.
+// Devices that can take them are made by backends/vulkan/adopt.hpp and backends/gl/adopt.hpp; on any other
+// device these calls are errors.
+//
+// A host's texture belongs to the host between lumo's submissions. A submission that uses it finds it in
+// `layout_before` and leaves it in `layout_after`, with all that either side wrote visible to the other, on
+// the one queue or context that both submit to: there no NativeSync is needed. Where several submissions use
+// it while the host does not, the two layouts are to be equal.
+#pragma once
+
+#include <cstdint>
+
+namespace lumo::rhi {
+
+/// A texture that the host made and destroys: after its lumo::rhi::Texture is gone and the last submission
+/// that used it is done. It must allow what its TextureDesc says, and copies where these are recorded.
+struct NativeTexture {
+    uint64_t object = 0;  ///< a VkImage, of all the TextureDesc's mips and layers; or a GL texture's name
+    uint32_t layout_before = 0;  ///< a VkImageLayout; undefined: what it held is lost. OpenGL has no layouts
+    uint32_t layout_after = 0;   ///< a VkImageLayout other than undefined and preinitialized
+};
+
+/// What the device's work waits for, or what says that it is done.
+struct NativeSync {
+    uint64_t object = 0;  ///< a VkSemaphore; or a GLsync
+    uint64_t value = 0;   ///< of a timeline semaphore; 0 with others
+};
+
+}  // namespace lumo::rhi
