@@ -28,4 +28,16 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& file, uint
     return bytes;
 }
 
+Result<void> write_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+    std::ofstream stream(file, std::ios::binary);
+    const bool opened = stream.is_open();
+    stream.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    stream.close();
+    if (stream) return {};
+    std::error_code ignored;
+    if (opened && std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
+    return fail(ErrorKind::io, printable(file.string()), "cannot be written",
+                "check that its folder exists, may be written to and has room");
+}
+
 }  // namespace lumo::scene

@@ -1,4 +1,5 @@
-// Images in memory, and the one place where image files are read and written.
+// Images in memory, and the one place where image files are read and written: PNG, JPEG, HDR and EXR, and what a
+// module that is found at run time adds (image_module.hpp).
 #pragma once
 
 #include <cstdint>
@@ -33,14 +34,17 @@ struct ImageLimits {
     uint64_t max_bytes = uint64_t(1) << 30;  ///< of decoded pixels
 };
 
-/// Reads PNG or JPEG as four channels of 8 bits (missing alpha is 255, 16-bit samples are rounded, palette
-/// and grey are expanded). No colour conversion. Errors: io, invalid_file, limit.
+/// Reads PNG, JPEG or a module's format as four channels of 8 bits (missing alpha is 255, 16-bit samples are rounded,
+/// palette and grey are expanded). No colour conversion. Errors: io, invalid_file, unsupported, limit.
 Result<Image8> read_image8(const std::filesystem::path& file, const ImageLimits& limits = {});
+
+/// The same for PNG and JPEG only, whatever module there is: for files from outside that may hold nothing else.
 Result<Image8> decode_image8(std::span<const std::byte> bytes, const std::string& name,
                              const ImageLimits& limits = {});
 
-/// Reads HDR (RGBE) or EXR as float with the file's own channels in RGB(A) order. Also reads PNG and JPEG, as
-/// value / 255 without colour conversion. Errors: io, invalid_file, limit.
+/// Reads HDR (RGBE), EXR or a module's format as float with the file's own channels in RGB(A) order; of an EXR the
+/// layer without a name, or else the first. Also reads PNG and JPEG, as value / 255 without colour conversion. Errors:
+/// io, invalid_file, unsupported, limit.
 Result<ImageF> read_image_float(const std::filesystem::path& file, const ImageLimits& limits = {});
 
 /// Writes an 8-bit PNG of 1, 3 or 4 channels.
@@ -55,7 +59,8 @@ struct ExrLayer {
 /// Writes float32 EXR. All layers have the same size. Channels are NAME.R, NAME.G, …; one channel is NAME.Y.
 Result<void> write_exr(const std::filesystem::path& file, std::span<const ExrLayer> layers);
 
-/// Reads every layer of an EXR file, in the naming of write_exr.
+/// Reads every layer of an EXR file of one flat part, in the naming of write_exr: the layer without a name first, the
+/// others by name. Half floats and integers become floats of the same value. The pixels are those of the data window.
 Result<std::vector<ExrLayer>> read_exr(const std::filesystem::path& file, const ImageLimits& limits = {});
 
 }  // namespace lumo::scene
