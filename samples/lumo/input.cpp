@@ -9,6 +9,7 @@
 #include "scene/builtin/builtin.hpp"
 #include "scene/gltf.hpp"
 #include "scene/printable.hpp"
+#include "techniques/shadow/shadow.hpp"
 
 namespace lumo::program {
 namespace {
@@ -100,16 +101,13 @@ Result<scene::Camera> choose_camera(const Options& options, const scene::Scene& 
 std::vector<std::string> warnings_of(const scene::Scene& scene) {
     std::vector<std::string> lines;
     for (const std::string& line : scene.warnings) lines.push_back(scene::printable(line, 1000));
-    bool sun_drawn = false;
-    for (size_t i = 0; i < scene.lights.size(); ++i) {
-        const scene::Light& light = scene.lights[i];
-        const std::string name = fmt::format("light {} '{}'", i, scene::printable(light.name));
-        if (light.kind != scene::LightKind::directional)
-            lines.push_back(fmt::format("{} is a {} light, which is not drawn: only directional ones are",
-                                        name, to_string(light.kind)));
-        else if (shines(light) && std::exchange(sun_drawn, true))
-            lines.push_back(name + " is not drawn: only the first directional light is");
-    }
+    const size_t shining = size_t(
+        std::ranges::count_if(scene.lights, [](auto& light) { return light.intensity != glm::vec3(0); }));
+    if (const size_t drawn = shadow::drawn_lights(scene.lights).size(); drawn < shining)
+        lines.push_back(
+            fmt::format("{} of its {} lights are drawn: at most {} lights with {} shadow maps are (a point "
+                        "light has six)",
+                        drawn, shining, shadow::max_lights, shadow::max_cameras));
     return lines;
 }
 

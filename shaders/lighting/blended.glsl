@@ -2,20 +2,16 @@
 // the G-buffer's.
 #include "gbuffer/interface.glsl"
 #define EMISSION_TEXTURE 8
-#define SHADOW 9
-#define SHADOW_MAP 10
-#define LIGHT 11
-#include "common/brdf.glsl"
-#include "common/camera.glsl"
+#define LIGHTS 9
+#define SHADOW_MAPS 10
 #include "common/material.glsl"
-#include "common/shadow.glsl"
-#include "lighting/light_block.glsl"
+#include "lighting/direct.glsl"
 #ifdef INDIRECT
-const int gather_binding = 12;
+const int gather_binding = 11;
 #include "cones/gather.glsl"
 #endif
 
-layout(constant_id = 0) const bool sun = false;
+layout(constant_id = 0) const bool analytic_lights = false;
 layout(constant_id = 1) const bool diffuse_materials = false;
 
 layout(location = 0) in vec3 in_normal;
@@ -47,10 +43,8 @@ void main() {
     Surface surface = make_surface(base_color.rgb, metallic_roughness.x, metallic_roughness.y);
 
     vec3 radiance = material_emission(uv0, uv1);
-    if (sun)
-        radiance += light.sun_irradiance * sun_visibility(position, geometric_normal) *
-                    reflect_direct(surface, normal, direction_to_eye(position), shadow.direction.xyz,
-                                   diffuse_materials);
+    if (analytic_lights)
+        radiance += reflect_lights(surface, position, geometric_normal, normal, diffuse_materials);
 #ifdef INDIRECT
     radiance += surface.diffuse / pi * occlusion *
                 gather_irradiance(gather_position(position), geometric_normal, normal);

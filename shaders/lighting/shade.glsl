@@ -1,20 +1,20 @@
-// Radiance toward the eye at every pixel of the G-buffer: reflected sunlight, reflected indirect light, emission, and
-// the environment where nothing is.
+// Radiance toward the eye at every pixel of the G-buffer: reflected light of the analytic lights, reflected indirect
+// light, emission, and the environment where nothing is.
 #define CAMERA 7
-#define SHADOW 8
-#define SHADOW_MAP 6
-#define LIGHT 9
-#include "common/brdf.glsl"
-#include "common/camera.glsl"
-#include "common/shadow.glsl"
-#include "lighting/light_block.glsl"
+#define SHADOW_MAPS 6
+#define LIGHTS 8
+#include "lighting/direct.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(constant_id = 0) const bool sun = false;
+layout(constant_id = 0) const bool analytic_lights = false;
 layout(constant_id = 1) const bool indirect_light = false;
 layout(constant_id = 2) const bool emission = false;
 layout(constant_id = 3) const bool diffuse_materials = false;
+
+layout(push_constant) uniform Push {
+    vec3 environment;  // radiance from outside the scene, W/m²/sr
+} push;
 
 layout(binding = 0) uniform sampler2D depth;
 layout(binding = 1) uniform sampler2D base_color_metallic;
@@ -22,10 +22,10 @@ layout(binding = 2) uniform sampler2D normal_roughness;
 layout(binding = 3) uniform sampler2D geometric_normal_occlusion;
 layout(binding = 4) uniform sampler2D emission_target;
 layout(binding = 5) uniform sampler2D irradiance;
-layout(binding = 10, rgba32f) writeonly uniform image2D out_radiance;
+layout(binding = 9, rgba32f) writeonly uniform image2D out_radiance;
 #ifdef LAYERS
-layout(binding = 11, rgba32f) writeonly uniform image2D out_direct;
-layout(binding = 12, rgba32f) writeonly uniform image2D out_indirect;
+layout(binding = 10, rgba32f) writeonly uniform image2D out_direct;
+layout(binding = 11, rgba32f) writeonly uniform image2D out_indirect;
 #endif
 
 void main() {
@@ -37,7 +37,7 @@ void main() {
     vec3 indirect = vec3(0);
     vec3 unreflected = vec3(0);
     if (pixel_depth == 1) {
-        unreflected = light.environment;
+        unreflected = push.environment;
     } else {
         vec4 stored_normal = texelFetch(normal_roughness, pixel, 0);
         if (emission) unreflected = texelFetch(emission_target, pixel, 0).rgb;
@@ -47,12 +47,9 @@ void main() {
             vec4 geometric = texelFetch(geometric_normal_occlusion, pixel, 0);
             vec3 normal = unit(stored_normal.xyz);
             Surface surface = make_surface(base_color.rgb, base_color.a, stored_normal.w);
-            if (sun) {
+            if (analytic_lights) {
                 vec3 position = world_from_pixel(vec2(pixel) + 0.5, pixel_depth);
-                vec3 reflected = reflect_direct(surface, normal, direction_to_eye(position), shadow.direction.xyz,
-                                                diffuse_materials);
-                if (reflected != vec3(0))
-                    direct = reflected * light.sun_irradiance * sun_visibility(position, unit(geometric.xyz));
+                direct = reflect_lights(surface, position, unit(geometric.xyz), normal, diffuse_materials);
             }
             if (indirect_light)
                 indirect = surface.diffuse / pi * geometric.w * texelFetch(irradiance, pixel, 0).rgb;

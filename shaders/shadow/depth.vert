@@ -1,6 +1,6 @@
 #include "shadow/interface.glsl"
 #include "common/geometry.glsl"
-#include "common/shadow_block.glsl"
+#include "shadow/camera_block.glsl"
 
 void main() {
     uint instance = draw.first_instance + gl_InstanceIndex;

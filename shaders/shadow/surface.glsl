@@ -1,7 +1,7 @@
 // The vertex stage for fragments that look at the surface.
 #include "shadow/interface.glsl"
 #include "common/geometry.glsl"
-#include "common/shadow_block.glsl"
+#include "shadow/camera_block.glsl"
 
 layout(location = 0) out vec4 out_uv;  // both sets
 layout(location = 1) out float out_alpha;

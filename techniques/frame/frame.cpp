@@ -28,9 +28,10 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
     Result<void> made = keep(gbuffer::GBuffer::create(device, settings.size, gbuffer_needs), frame.gbuffer_);
 
     if (made && plan.needs("shadow")) {
-        made =
-            keep(shadow::Shadow::create(device, settings.shadow, {.alpha_mask = plan.needs("gbuffer.mask")}),
-                 frame.shadow_);
+        made = keep(shadow::Shadow::create(device, settings.shadow,
+                                           {.alpha_mask = plan.needs("gbuffer.mask"),
+                                            .cameras = std::max(facts.light_cameras, 1u)}),
+                    frame.shadow_);
     }
     const bool emission = frame.emission_ = plan.needs("voxels.emission");
     const bool environment = plan.needs("cones.environment");
@@ -44,8 +45,13 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
                                             .translucent = plan.needs("voxels.opacity"),
                                             .sunlight = plan.needs("voxels.sunlight"),
                                             .normals = plan.needs("voxels.bounce"),
-                                            .wide_range = facts.wide_range()}),
+                                            .wide_range = facts.wide_range(),
+                                            .triangles = voxels::count_triangles(geometry),
+                                            .draws = uint32_t(geometry.draws.size())}),
                     frame.volume_);
+    }
+    if (made && emission) {
+        made = keep(cones::Emitters::create(device, settings.voxels.resolution), frame.emitters_);
     }
     if (made && plan.needs("voxels.bounce")) {
         made = keep(bounce::Bounce::create(
@@ -60,7 +66,7 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
     }
     if (made) {
         lighting::Needs needs = lighting::blend_needs_of(geometry);
-        needs.sun = plan.needs("shadow");
+        needs.lights = plan.needs("shadow");
         needs.indirect = plan.needs("cones");
         needs.emission = gbuffer_needs.emission;
         needs.layers = settings.wants(Layer::direct) || settings.wants(Layer::indirect);
@@ -81,37 +87,44 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
     const gbuffer::CameraBlock camera = gbuffer::camera_block(inputs.camera, settings_.size);
     const gbuffer::View gbuffer = gbuffer_->record(commands, inputs.geometry, camera);
 
-    std::optional<lighting::Sunlight> sun;
-    if (shadow_) {
-        sun = {.shadow = shadow_->record(commands, inputs.geometry, inputs.direction_to_sun),
-               .irradiance = inputs.sun_irradiance};
-    }
+    std::optional<shadow::View> lights;
+    if (shadow_) lights = shadow_->record(commands, inputs.geometry, inputs.lights);
 
-    std::optional<voxels::View> volume;
+    std::optional<cones::Source> source;
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance;
     if (volume_) {
         volume_->voxelize(commands, inputs.geometry, facts_.highest_emission);
         std::optional<voxels::SunLight> injected;
-        if (sun) {
-            injected = {.shadow_depth = {sun->shadow.depth, irradiance_->point_sampler()},
-                        .shadow_resolution = sun->shadow.resolution,
-                        .world_from_light_clip = sun->shadow.camera.world_from_clip,
-                        .texel_area = sun->shadow.texel_area,
-                        .direction_to_sun = sun->shadow.camera.direction_to_light,
-                        .irradiance = sun->irradiance};
+        const auto is_sun = [](const shadow::LitLight& lit) {
+            return lit.light.kind == scene::LightKind::directional;
+        };
+        if (lights) {
+            const auto sun = std::ranges::find_if(lights->lights, is_sun);
+            if (sun != lights->lights.end()) {
+                const shadow::LightCamera& camera = sun->cameras[0];
+                injected = {
+                    .shadow_depth = {lights->camera_depth(sun->first_camera), irradiance_->point_sampler()},
+                    .shadow_resolution = lights->resolution,
+                    .world_from_light_clip = camera.world_from_clip,
+                    .texel_area = camera.texel_size.x * camera.texel_size.y,
+                    .direction_to_sun = camera.toward_light,
+                    .irradiance = sun->light.intensity};
+            }
         }
         volume_->inject(commands, injected ? &*injected : nullptr);
-        volume = bounce_ ? bounce_->record(commands, *volume_, inputs.environment_radiance) : volume_->view();
-        irradiance = irradiance_->record(commands, gbuffer, *volume, inputs.environment_radiance);
+        source = {.volume = volume_->view(), .environment = inputs.environment_radiance};
+        if (emitters_) source->emitters = emitters_->record(commands, *volume_);
+        if (bounce_) source->volume = bounce_->record(commands, *volume_, *source);
+        irradiance = irradiance_->record(commands, gbuffer, *source);
     }
 
     std::optional<cones::Gather> gather;
-    if (volume && blend_) {
-        gather = cones::make_gather(commands, irradiance_->distribution(), *volume,
-                                    irradiance_->volume_sampler(), inputs.environment_radiance);
+    if (source && blend_) {
+        gather =
+            cones::make_gather(commands, irradiance_->distribution(), *source, irradiance_->volume_sampler());
     }
     const lighting::View lit = lighting_->record(commands, {.gbuffer = gbuffer,
-                                                            .sun = sun,
+                                                            .lights = lights,
                                                             .irradiance = irradiance,
                                                             .gather = gather,
                                                             .environment = inputs.environment_radiance,
@@ -123,7 +136,7 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
                                .direct = lit.direct,
                                .indirect = lit.indirect,
                                .irradiance = irradiance,
-                               .volume = volume,
+                               .volume = source ? std::optional(source->volume) : std::nullopt,
                                .volume_emits = emission_});
     if (post_) post_->record(commands, lit.radiance);
 }

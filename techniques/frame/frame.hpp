@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "rhi/rhi.hpp"
 #include "scene/gpu_scene.hpp"
@@ -22,9 +23,8 @@ namespace lumo::frame {
 struct Inputs {
     scene::GeometryView geometry;
     scene::Camera camera;
-    glm::vec3 direction_to_sun{0, 1, 0};  ///< unit length
-    glm::vec3 sun_irradiance{0};          ///< on a plane facing the sun, W/m²
-    glm::vec3 environment_radiance{0};    ///< W/m²/sr
+    std::vector<scene::Light> lights;   ///< as shadow::drawn_lights returns them
+    glm::vec3 environment_radiance{0};  ///< W/m²/sr
 };
 
 class Frame {
@@ -49,6 +49,7 @@ class Frame {
     std::optional<gbuffer::GBuffer> gbuffer_;
     std::optional<shadow::Shadow> shadow_;
     std::optional<voxels::Volume> volume_;
+    std::optional<cones::Emitters> emitters_;
     std::optional<bounce::Bounce> bounce_;
     std::optional<cones::Irradiance> irradiance_;
     std::optional<lighting::Lighting> lighting_;

@@ -24,9 +24,10 @@ SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
         }
     }
     facts.environment = scene.environment_radiance != glm::vec3(0);
-    facts.sun = std::any_of(scene.lights.begin(), scene.lights.end(), [](const scene::Light& light) {
-        return light.kind == scene::LightKind::directional && light.intensity != glm::vec3(0);
-    });
+    for (const scene::Light& light : shadow::drawn_lights(scene.lights)) {
+        facts.lights = true;
+        facts.light_cameras += shadow::camera_count(light);
+    }
     return facts;
 }
 
@@ -47,7 +48,7 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
     };
 
     const bool surfaces = facts.triangles > 0;
-    const bool light = facts.sun || facts.emission || facts.environment;
+    const bool light = facts.lights || facts.emission || facts.environment;
     const bool gi = settings.gi && surfaces && light;
     const std::string no_gi = !settings.gi ? "indirect light is off"
                               : !surfaces  ? "the scene has no triangles"
@@ -60,16 +61,16 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
            settings.diffuse_materials ? "materials are taken as diffuse" : "no material has a normal map");
     decide("gbuffer.emission", facts.emission || facts.unlit, "some materials emit or are unlit",
            "no material emits or is unlit");
-    decide("shadow", facts.sun && surfaces, "a directional light casts shadows",
-           facts.sun ? "the scene has no triangles" : "the scene has no directional light");
+    decide("shadow", facts.lights && surfaces, "analytic lights cast shadows",
+           facts.lights ? "the scene has no triangles" : "the scene has no analytic light");
     decide("voxels", gi, fmt::format("indirect light, {0} x {0} x {0}", settings.voxels.resolution), no_gi);
     decide("voxels.mask", gi && facts.alpha_mask, "some materials are cut out by alpha",
            gi ? "no material has alpha mode MASK" : no_gi);
     decide("voxels.opacity", gi && facts.alpha_blend, "some materials are blended",
            gi ? "no material has alpha mode BLEND" : no_gi);
     decide("voxels.emission", gi && facts.emission, "some materials emit", gi ? "no material emits" : no_gi);
-    decide("voxels.sunlight", gi && facts.sun, "the sun's light is injected",
-           gi ? "the scene has no directional light" : no_gi);
+    decide("voxels.sunlight", gi && facts.lights, "the sun's light is injected",
+           gi ? "the scene has no analytic light" : no_gi);
     decide("voxels.bounce", gi && (facts.emission || facts.environment || settings.bounces > 1),
            "voxels gather light from each other",
            gi ? "all light is the sun's, reflected once by injection" : no_gi);

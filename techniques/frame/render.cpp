@@ -10,13 +10,6 @@
 namespace lumo::frame {
 namespace {
 
-const scene::Light* find_sun(const scene::Scene& scene) {
-    const auto sun = std::find_if(scene.lights.begin(), scene.lights.end(), [](const scene::Light& light) {
-        return light.kind == scene::LightKind::directional && light.intensity != glm::vec3(0);
-    });
-    return sun == scene.lights.end() ? nullptr : &*sun;
-}
-
 /// Pictures have their first row at the top, textures at the bottom.
 template <class T>
 scene::Image<T> flipped(const std::vector<std::byte>& texels, rhi::Extent size, uint32_t channels) {
@@ -48,11 +41,10 @@ Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const sc
     Result<Frame> frame = Frame::create(device, settings, rendered.plan, facts, geometry);
     if (!frame) return tl::unexpected(frame.error());
 
-    Inputs inputs{.geometry = geometry, .camera = camera, .environment_radiance = scene.environment_radiance};
-    if (const scene::Light* sun = find_sun(scene)) {
-        inputs.direction_to_sun = -glm::normalize(sun->direction);
-        inputs.sun_irradiance = sun->intensity;
-    }
+    const Inputs inputs{.geometry = geometry,
+                        .camera = camera,
+                        .lights = shadow::drawn_lights(scene.lights),
+                        .environment_radiance = scene.environment_radiance};
 
     const auto start = std::chrono::steady_clock::now();
     rhi::Commands commands = device.begin();

@@ -9,7 +9,6 @@ namespace lumo::lighting {
 using rhi::CullMode;
 using rhi::Dimension;
 using rhi::Format;
-using LightBlock = shaders::lighting::shade::Light;
 
 Needs blend_needs_of(const scene::GeometryView& geometry) {
     Needs needs;
@@ -62,9 +61,16 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
                 {.magnification = rhi::FilterMode::nearest, .minification = rhi::FilterMode::nearest})
             .map([&](rhi::Sampler sampler) { made.sampler_ = std::move(sampler); });
     });
+    if (!needs.lights) {
+        done = done.and_then([&] {
+            return device
+                .create_texture({.name = "lighting.no_shadow_maps", .dimension = Dimension::d2_array})
+                .map([&](rhi::Texture texture) { made.no_shadow_maps_ = std::move(texture); });
+        });
+    }
     const auto make_shade = [&]<class P>(rhi::ComputePipeline<P>& pipeline) {
         return device
-            .create_compute_pipeline<P>({.sun = needs.sun,
+            .create_compute_pipeline<P>({.analytic_lights = needs.lights,
                                          .indirect_light = needs.indirect,
                                          .emission = needs.emission,
                                          .diffuse_materials = needs.diffuse_materials})
@@ -80,7 +86,7 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
     if (needs.blend && needs.indirect) {
         done = done.and_then([&] {
             return made.make_blend_pipelines(device, made.blended_indirect_,
-                                             {.sun = needs.sun,
+                                             {.analytic_lights = needs.lights,
                                               .diffuse_materials = needs.diffuse_materials,
                                               .gather_emission = needs.gather.emission,
                                               .gather_environment = needs.gather.environment,
@@ -89,7 +95,8 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
     } else if (needs.blend) {
         done = done.and_then([&] {
             return made.make_blend_pipelines(
-                device, made.blended_, {.sun = needs.sun, .diffuse_materials = needs.diffuse_materials});
+                device, made.blended_,
+                {.analytic_lights = needs.lights, .diffuse_materials = needs.diffuse_materials});
         });
     }
     return done.map([&] { return std::move(made); });
@@ -97,7 +104,7 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
 
 template <class P>
 void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipelines, const Inputs& inputs,
-                            rhi::UniformBuffer sun_block, rhi::UniformBuffer light) const {
+                            const AnalyticLights& lights) const {
     const scene::GeometryView& geometry = *inputs.geometry;
     std::vector<const scene::DrawView*> order;
     for (const scene::DrawView& draw : geometry.draws)
@@ -109,8 +116,6 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
     };
     std::ranges::stable_sort(order, std::greater(), distance);
 
-    const rhi::Sampled<Dimension::d2> shadow_map(
-        inputs.sun ? inputs.sun->shadow.depth : inputs.gbuffer.base_color_metallic, sampler_);
     for (const scene::DrawView* draw : order) {
         const scene::MaterialTextures& textures = geometry.textures[draw->material];
         const typename P::Bindings bindings = [&] {
@@ -124,27 +129,20 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
                                             textures.normal,
                                             textures.occlusion,
                                             textures.emission,
-                                            sun_block,
-                                            shadow_map,
-                                            light,
+                                            lights.block,
+                                            lights.shadow_maps,
                                             inputs.gather->radiance,
                                             inputs.gather->radiance_directions,
                                             inputs.gather->emission,
                                             inputs.gather->emission_directions,
-                                            inputs.gather->block};
+                                            inputs.gather->block,
+                                            inputs.gather->emitters};
             else
-                return typename P::Bindings{geometry.vertices,
-                                            geometry.instances,
-                                            geometry.material(draw->material),
-                                            inputs.gbuffer.camera,
-                                            textures.base_color,
-                                            textures.metallic_roughness,
-                                            textures.normal,
-                                            textures.occlusion,
-                                            textures.emission,
-                                            sun_block,
-                                            shadow_map,
-                                            light};
+                return typename P::Bindings{
+                    geometry.vertices,     geometry.instances,  geometry.material(draw->material),
+                    inputs.gbuffer.camera, textures.base_color, textures.metallic_roughness,
+                    textures.normal,       textures.occlusion,  textures.emission,
+                    lights.block,          lights.shadow_maps};
         }();
         // Far faces of a body that is seen through come before its near ones.
         const CullMode near_faces = draw->mirrored ? CullMode::front : CullMode::back;
@@ -163,33 +161,31 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
 View Lighting::record(rhi::Commands& commands, const Inputs& inputs) {
     const gbuffer::View& g = inputs.gbuffer;
     View view{.radiance = radiance_.view<Dimension::d2>(), .direct = {}, .indirect = {}};
-    const rhi::UniformBuffer light =
-        commands.uniform(LightBlock{.sun_irradiance = inputs.sun ? inputs.sun->irradiance : glm::vec3(0),
-                                    .environment = inputs.environment});
     // Options leave unread what is not there; some view has to stand for it.
-    const rhi::UniformBuffer sun_block =
-        inputs.sun ? inputs.sun->shadow.block : commands.uniform(shadow::Block{});
+    const AnalyticLights lights{
+        .block = inputs.lights ? inputs.lights->block : commands.uniform(shadow::Block{}),
+        .shadow_maps = {inputs.lights ? inputs.lights->depth : no_shadow_maps_.view<Dimension::d2_array>(),
+                        sampler_}};
     const auto sampled = [&](rhi::View<Dimension::d2> v) { return rhi::Sampled<Dimension::d2>(v, sampler_); };
     const rhi::Groups groups{rhi::groups_for(g.size.width, 8), rhi::groups_for(g.size.height, 8)};
     {
         rhi::Pass pass = commands.pass("lighting.shade");
         const auto emission = sampled(g.emission.value_or(g.base_color_metallic));
         const auto irradiance = sampled(inputs.irradiance.value_or(g.base_color_metallic));
-        const auto shadow_map = sampled(inputs.sun ? inputs.sun->shadow.depth : g.base_color_metallic);
         if (needs_.layers) {
             view.direct = direct_.view<Dimension::d2>();
             view.indirect = indirect_.view<Dimension::d2>();
             pass.dispatch(shade_layers_,
                           {sampled(g.depth), sampled(g.base_color_metallic), sampled(g.normal_roughness),
-                           sampled(g.geometric_normal_occlusion), emission, irradiance, shadow_map, g.camera,
-                           sun_block, light, view.radiance, *view.direct, *view.indirect},
-                          {}, groups);
+                           sampled(g.geometric_normal_occlusion), emission, irradiance, lights.shadow_maps,
+                           g.camera, lights.block, view.radiance, *view.direct, *view.indirect},
+                          {.environment = inputs.environment}, groups);
         } else {
             pass.dispatch(shade_,
                           {sampled(g.depth), sampled(g.base_color_metallic), sampled(g.normal_roughness),
-                           sampled(g.geometric_normal_occlusion), emission, irradiance, shadow_map, g.camera,
-                           sun_block, light, view.radiance},
-                          {}, groups);
+                           sampled(g.geometric_normal_occlusion), emission, irradiance, lights.shadow_maps,
+                           g.camera, lights.block, view.radiance},
+                          {.environment = inputs.environment}, groups);
         }
     }
     if (needs_.blend) {
@@ -197,9 +193,9 @@ View Lighting::record(rhi::Commands& commands, const Inputs& inputs) {
             "lighting.blend", {.color = {{.view = view.radiance, .load = rhi::Load::keep}},
                                .depth = rhi::DepthTarget{.view = g.depth, .load = rhi::Load::keep}});
         if (needs_.indirect)
-            draw_blended(pass, blended_indirect_, inputs, sun_block, light);
+            draw_blended(pass, blended_indirect_, inputs, lights);
         else
-            draw_blended(pass, blended_, inputs, sun_block, light);
+            draw_blended(pass, blended_, inputs, lights);
     }
     return view;
 }

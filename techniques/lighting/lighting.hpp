@@ -19,7 +19,7 @@ namespace lumo::lighting {
 
 /// What the scene and the user need of the lighting; nothing else is made.
 struct Needs {
-    bool sun = false;                 ///< there is a directional light
+    bool lights = false;              ///< there are analytic lights
     bool indirect = false;            ///< there is irradiance of indirect light
     bool emission = false;            ///< the G-buffer has the target of emission
     bool layers = false;              ///< direct and indirect radiance are wanted by themselves
@@ -33,14 +33,9 @@ struct Needs {
 /// The needs of a scene's blended draws.
 Needs blend_needs_of(const scene::GeometryView& geometry);
 
-struct Sunlight {
-    shadow::View shadow;
-    glm::vec3 irradiance{0};  ///< on a plane facing the sun, W/m²
-};
-
 struct Inputs {
     gbuffer::View gbuffer;
-    std::optional<Sunlight> sun = {};  ///< if Needs::sun
+    std::optional<shadow::View> lights = {};  ///< if Needs::lights
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance =
         {};                                    ///< if Needs::indirect; W/m², of G-buffer pixels
     std::optional<cones::Gather> gather = {};  ///< if Needs::indirect and Needs::blend
@@ -71,6 +66,12 @@ class Lighting {
     const rhi::Texture& indirect() const { return indirect_; }
 
   private:
+    /// The bindings of shaders/common/lights.glsl.
+    struct AnalyticLights {
+        rhi::UniformBuffer block;
+        rhi::Sampled<rhi::Dimension::d2_array> shadow_maps;
+    };
+
     template <class P>
     using BlendPipelines = std::array<rhi::RasterPipeline<P>, 3>;  ///< by CullMode
 
@@ -79,10 +80,11 @@ class Lighting {
                                       const typename P::Options& options);
     template <class P>
     void draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipelines, const Inputs& inputs,
-                      rhi::UniformBuffer sun_block, rhi::UniformBuffer light) const;
+                      const AnalyticLights& lights) const;
 
     Needs needs_;
     rhi::Sampler sampler_;
+    rhi::Texture no_shadow_maps_;  ///< bound where there are no lights
     rhi::Texture radiance_;
     rhi::Texture direct_;
     rhi::Texture indirect_;

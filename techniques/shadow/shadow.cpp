@@ -3,45 +3,58 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <glm/gtc/matrix_transform.hpp>
 #include <utility>
 
 namespace lumo::shadow {
 
 using rhi::Dimension;
 
-LightCamera fit_light(const scene::Bounds& bounds, glm::vec3 direction_to_light, uint32_t resolution) {
-    const glm::dvec3 z = glm::normalize(glm::dvec3(direction_to_light));
-    const glm::dvec3 helper = std::abs(z.y) < 0.99 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1);
-    const glm::dvec3 x = glm::normalize(glm::cross(helper, z));
-    const glm::dmat3 light_from_world = glm::transpose(glm::dmat3(x, glm::cross(z, x), z));
+namespace {
 
-    const scene::Bounds box = bounds.empty() ? scene::Bounds{glm::vec3(-1), glm::vec3(1)} : bounds;
-    const glm::dvec3 center = light_from_world * (0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max)));
-    const glm::dvec3 half_diagonal = 0.5 * (glm::dvec3(box.max) - glm::dvec3(box.min));
-    glm::dvec3 extent(0);
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            extent[row] += std::abs(light_from_world[column][row]) * half_diagonal[column];
-    // A flat scene still gets a volume.
-    const double least = std::max(1e-3 * std::max({extent.x, extent.y, extent.z}), 1e-6);
-    extent = glm::max(extent, glm::dvec3(least));
-    extent.x *= resolution / (resolution - 4.0);
-    extent.y *= resolution / (resolution - 4.0);
-    extent.z *= 1.001;
+/// 128 MiB of depth at most.
+constexpr uint64_t most_texels = 32u << 20;
 
-    // z points to the light, depth away from it.
-    glm::dmat4 clip_from_light(1);
-    clip_from_light[0][0] = 1 / extent.x;
-    clip_from_light[1][1] = 1 / extent.y;
-    clip_from_light[2][2] = -0.5 / extent.z;
-    clip_from_light[3] =
-        glm::dvec4(-center.x / extent.x, -center.y / extent.y, 0.5 + 0.5 * center.z / extent.z, 1);
-    const glm::dmat4 clip_from_world = clip_from_light * glm::dmat4(light_from_world);
-    return {.clip_from_world = glm::mat4(clip_from_world),
-            .world_from_clip = glm::mat4(glm::inverse(clip_from_world)),
-            .direction_to_light = glm::vec3(z),
-            .texel_size = glm::vec2(2 * extent.x / resolution, 2 * extent.y / resolution)};
+uint32_t affordable_resolution(const Settings& settings, uint32_t cameras) {
+    uint32_t resolution = settings.resolution;
+    while (resolution > 64 && uint64_t(resolution) * resolution * cameras > most_texels) resolution /= 2;
+    return resolution;
+}
+
+Block block_of(const View& view) {
+    Block block{};
+    block.count = int32_t(view.lights.size());
+    block.size = float(view.resolution);
+    // The rounding of depths: a few units of 2^-24 of the range on either side of the comparison.
+    block.depth_offset = 1e-6f;
+    for (size_t i = 0; i < view.lights.size(); ++i) {
+        const auto& [light, first_camera, cameras] = view.lights[i];
+        const bool directional = light.kind == scene::LightKind::directional;
+        const bool spot = light.kind == scene::LightKind::spot;
+        const float outer = std::cos(light.outer_cone_angle);
+        const float scale = spot ? 1 / std::max(1e-3f, std::cos(light.inner_cone_angle) - outer) : 0.0f;
+        block.intensity[i] = glm::vec4(light.intensity, light.range > 0 ? 1 / light.range : 0.0f);
+        block.position[i] = glm::vec4(light.position, directional ? 0.0f : 1.0f);
+        block.direction[i] =
+            glm::vec4(directional ? cameras[0].toward_light : glm::normalize(light.direction), 0);
+        block.cone[i] = glm::vec4(scale, spot ? -outer * scale : 1, first_camera, cameras.size());
+        for (size_t c = 0; c < cameras.size(); ++c) {
+            block.clip_from_world[first_camera + c] = cameras[c].clip_from_world;
+            // Taps reach 1.5 texels along each axis (shaders/common/lights.glsl).
+            block.camera_axis[first_camera + c] =
+                glm::vec4(cameras[c].toward_light, 1.5f * glm::length(cameras[c].texel_size));
+        }
+    }
+    return block;
+}
+
+}  // namespace
+
+rhi::View<Dimension::d2> View::camera_depth(uint32_t camera) const {
+    rhi::View<Dimension::d2> layer{depth};
+    layer.dimension = Dimension::d2;
+    layer.first_layer = camera;
+    layer.layers = 1;
+    return layer;
 }
 
 Result<Shadow> Shadow::create(rhi::Device& device, const Settings& settings, const Needs& needs) {
@@ -50,12 +63,15 @@ Result<Shadow> Shadow::create(rhi::Device& device, const Settings& settings, con
                     fmt::format("{} texels a side", settings.resolution), "choose 16 to 16384");
     Shadow made;
     made.settings_ = settings;
+    made.settings_.resolution = affordable_resolution(settings, needs.cameras);
     made.needs_ = needs;
     const auto make_target = [&](rhi::Texture& target, const char* name, rhi::Format format) {
         return device
             .create_texture({.name = name,
+                             .dimension = Dimension::d2_array,
                              .format = format,
-                             .extent = {settings.resolution, settings.resolution},
+                             .extent = {made.settings_.resolution, made.settings_.resolution},
+                             .layers = needs.cameras,
                              .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::attachment})
             .map([&](rhi::Texture texture) { target = std::move(texture); });
     };
@@ -89,27 +105,29 @@ Result<Shadow> Shadow::create(rhi::Device& device, const Settings& settings, con
 }
 
 View Shadow::record(rhi::Commands& commands, const scene::GeometryView& geometry,
-                    glm::vec3 direction_to_light) {
-    const LightCamera camera = fit_light(geometry.bounds, direction_to_light, settings_.resolution);
-    // Taps reach 1.5 texels along each axis (shaders/common/shadow.glsl). What remains is the rounding of
-    // depths, a few units of 2^-24 of the range on either side of the comparison.
-    const Block block{.clip_from_world = camera.clip_from_world,
-                      .world_from_clip = camera.world_from_clip,
-                      .direction = glm::vec4(camera.direction_to_light, 0),
-                      .size = float(settings_.resolution),
-                      .normal_offset = 1.5f * glm::length(camera.texel_size),
-                      .depth_offset = 1e-6f};
+                    std::span<const scene::Light> lights) {
     View view{.resolution = settings_.resolution,
-              .camera = camera,
-              .texel_area = camera.texel_size.x * camera.texel_size.y,
-              .depth = depth_.view<Dimension::d2>(),
+              .lights = {},
+              .depth = depth_.view<Dimension::d2_array>(),
               .position = {},
-              .block = commands.uniform(block)};
-    rhi::RasterTargets targets{.depth = rhi::DepthTarget{.view = view.depth}};
-    if (settings_.position_target) {
-        view.position = position_.view<Dimension::d2>();
-        targets.color.push_back({.view = *view.position});
+              .block = rhi::BufferSlice{}};
+    if (settings_.position_target) view.position = position_.view<Dimension::d2_array>();
+    uint32_t camera = 0;
+    for (const scene::Light& light : lights) {
+        view.lights.push_back({light, camera, cameras_of(light, geometry.bounds, settings_.resolution)});
+        for (const LightCamera& each : view.lights.back().cameras) draw(commands, geometry, each, camera++);
     }
+    view.block = commands.uniform(block_of(view));
+    return view;
+}
+
+void Shadow::draw(rhi::Commands& commands, const scene::GeometryView& geometry, const LightCamera& camera,
+                  uint32_t layer) const {
+    using CameraBlock = shaders::shadow::depth::ShadowBlock;
+    const rhi::UniformBuffer block = commands.uniform(CameraBlock{.clip_from_world = camera.clip_from_world});
+    const rhi::ViewRange range{.first_layer = layer, .layers = 1};
+    rhi::RasterTargets targets{.depth = rhi::DepthTarget{.view = depth_.view<Dimension::d2>(range)}};
+    if (settings_.position_target) targets.color.push_back({.view = position_.view<Dimension::d2>(range)});
 
     rhi::RasterPass pass = commands.raster_pass("shadow", targets);
     for (const scene::DrawView& draw : geometry.draws) {
@@ -121,20 +139,19 @@ View Shadow::record(rhi::Commands& commands, const scene::GeometryView& geometry
                                          .first = draw.first_index};
         const auto& base_color = geometry.textures[draw.material].base_color;
         if (settings_.position_target)
-            pass.draw(position_pipelines_[alpha_test],
-                      {geometry.vertices, geometry.instances, view.block, geometry.material(draw.material),
-                       base_color},
-                      {draw.first_instance}, triangles);
+            pass.draw(
+                position_pipelines_[alpha_test],
+                {geometry.vertices, geometry.instances, block, geometry.material(draw.material), base_color},
+                {draw.first_instance}, triangles);
         else if (alpha_test)
-            pass.draw(masked_pipeline_,
-                      {geometry.vertices, geometry.instances, view.block, geometry.material(draw.material),
-                       base_color},
-                      {draw.first_instance}, triangles);
+            pass.draw(
+                masked_pipeline_,
+                {geometry.vertices, geometry.instances, block, geometry.material(draw.material), base_color},
+                {draw.first_instance}, triangles);
         else
-            pass.draw(depth_pipeline_, {geometry.vertices, geometry.instances, view.block},
-                      {draw.first_instance}, triangles);
+            pass.draw(depth_pipeline_, {geometry.vertices, geometry.instances, block}, {draw.first_instance},
+                      triangles);
     }
-    return view;
 }
 
 }  // namespace lumo::shadow

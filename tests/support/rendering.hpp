@@ -106,9 +106,14 @@ struct Sun {
     glm::vec3 irradiance{1};
 };
 
+inline scene::Light light_of(const Sun& sun) {
+    return {.intensity = sun.irradiance, .direction = -glm::normalize(sun.direction)};
+}
+
 struct RenderOptions {
     rhi::Extent size{96, 64};
     std::optional<Sun> sun = {};
+    std::vector<scene::Light> lights = {};  ///< beside the sun
     glm::vec3 environment{0};
     bool diffuse_materials = false;
     shadow::Settings shadow = {};
@@ -127,13 +132,18 @@ inline RenderedTargets render(rhi::Device& device, const scene::Scene& scene, co
     const scene::GeometryView geometry = gpu.view();
     const gbuffer::Needs needs = gbuffer::needs_of(geometry, options.diffuse_materials);
     auto gbuffer = value_of(gbuffer::GBuffer::create(device, options.size, needs));
-    auto shadow = value_of(shadow::Shadow::create(device, options.shadow, {.alpha_mask = needs.alpha_mask}));
-    lighting::Needs lights = lighting::blend_needs_of(geometry);
-    lights.sun = options.sun.has_value();
-    lights.emission = needs.emission;
-    lights.layers = true;
-    lights.diffuse_materials = options.diffuse_materials;
-    auto lighting = value_of(lighting::Lighting::create(device, options.size, lights));
+    std::vector<scene::Light> lights = options.lights;
+    if (options.sun) lights.insert(lights.begin(), light_of(*options.sun));
+    uint32_t cameras = 0;
+    for (const scene::Light& light : lights) cameras += shadow::camera_count(light);
+    auto shadow = value_of(shadow::Shadow::create(
+        device, options.shadow, {.alpha_mask = needs.alpha_mask, .cameras = std::max(cameras, 1u)}));
+    lighting::Needs lighting_needs = lighting::blend_needs_of(geometry);
+    lighting_needs.lights = !lights.empty();
+    lighting_needs.emission = needs.emission;
+    lighting_needs.layers = true;
+    lighting_needs.diffuse_materials = options.diffuse_materials;
+    auto lighting = value_of(lighting::Lighting::create(device, options.size, lighting_needs));
 
     RenderedTargets result;
     result.camera = gbuffer::camera_block(camera, options.size);
@@ -142,10 +152,9 @@ inline RenderedTargets render(rhi::Device& device, const scene::Scene& scene, co
                             .environment = options.environment,
                             .geometry = geometry,
                             .eye = result.camera.eye};
-    if (options.sun) {
-        const shadow::View view = shadow.record(commands, geometry, options.sun->direction);
-        inputs.sun = lighting::Sunlight{view, options.sun->irradiance};
-        result.light = view.camera;
+    if (!lights.empty()) {
+        inputs.lights = shadow.record(commands, geometry, lights);
+        result.light = inputs.lights->lights[0].cameras[0];
     }
     lighting.record(commands, inputs);
     value_of(device.wait(device.submit(std::move(commands))));

@@ -120,6 +120,7 @@ struct VoxelOptions {
     bool normals = false;
     bool wide_range = false;
     voxels::MipKind mips = voxels::MipKind::anisotropic;
+    voxels::Voxelizer voxelizer = voxels::Voxelizer::compute;
 };
 
 /// The volume of a scene, ready to read.
@@ -144,14 +145,18 @@ inline Voxelized voxelize(rhi::Device& device, const scene::Scene& scene, const 
     voxels::Needs needs{.emission = highest_emission(scene) > 0,
                         .sunlight = options.sun.has_value(),
                         .normals = options.normals,
-                        .wide_range = options.wide_range};
+                        .wide_range = options.wide_range,
+                        .triangles = voxels::count_triangles(geometry),
+                        .draws = uint32_t(geometry.draws.size())};
     for (const scene::Material& material : scene.materials) {
         needs.alpha_mask |= material.alpha_mode == scene::AlphaMode::mask;
         needs.translucent |= material.alpha_mode == scene::AlphaMode::blend;
     }
-    Voxelized result{.volume = value_of(voxels::Volume::create(
-                         device, {.resolution = options.resolution, .mips = options.mips}, needs)),
-                     .grid = voxels::fit_grid(geometry.bounds, options.resolution)};
+    Voxelized result{
+        .volume = value_of(voxels::Volume::create(
+            device, {.resolution = options.resolution, .mips = options.mips, .voxelizer = options.voxelizer},
+            needs)),
+        .grid = voxels::fit_grid(geometry.bounds, options.resolution)};
     std::optional<shadow::Shadow> shadow;
     rhi::Sampler point = value_of(device.create_sampler(
         {.magnification = rhi::FilterMode::nearest, .minification = rhi::FilterMode::nearest}));
@@ -161,13 +166,13 @@ inline Voxelized voxelize(rhi::Device& device, const scene::Scene& scene, const 
     if (options.sun) {
         shadow = value_of(shadow::Shadow::create(device, {.resolution = options.shadow_resolution},
                                                  {.alpha_mask = needs.alpha_mask}));
-        const shadow::View view = shadow->record(commands, geometry, options.sun->direction);
-        result.light = view.camera;
-        sun = {.shadow_depth = {view.depth, point},
+        const shadow::View view = shadow->record(commands, geometry, std::array{light_of(*options.sun)});
+        const shadow::LightCamera& camera = result.light = view.lights[0].cameras[0];
+        sun = {.shadow_depth = {view.camera_depth(0), point},
                .shadow_resolution = view.resolution,
-               .world_from_light_clip = view.camera.world_from_clip,
-               .texel_area = view.texel_area,
-               .direction_to_sun = view.camera.direction_to_light,
+               .world_from_light_clip = camera.world_from_clip,
+               .texel_area = camera.texel_size.x * camera.texel_size.y,
+               .direction_to_sun = camera.toward_light,
                .irradiance = options.sun->irradiance};
     }
     result.volume.voxelize(commands, geometry, highest_emission(scene));

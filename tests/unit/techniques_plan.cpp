@@ -31,7 +31,7 @@ const PlanItem& item(const Plan& plan, std::string_view what) {
 SceneFacts surfaces() { return {.triangles = 12, .opaque = true, .specular = true}; }
 
 TEST(Plan, EmptySceneNeedsAPictureAlone) {
-    const SceneFacts facts{.sun = true};
+    const SceneFacts facts{.lights = true};
     EXPECT_THAT(needed(make_plan(facts, {})), UnorderedElementsAre("gbuffer", "lighting", "post"));
     EXPECT_THAT(item(make_plan(facts, {}), "voxels").why, HasSubstr("no triangles"));
 }
@@ -44,7 +44,7 @@ TEST(Plan, WithoutLightThereIsNothingToGather) {
 
 TEST(Plan, SunAlone) {
     SceneFacts facts = surfaces();
-    facts.sun = true;
+    facts.lights = true;
     EXPECT_THAT(needed(make_plan(facts, {})),
                 UnorderedElementsAre("gbuffer", "shadow", "voxels", "voxels.sunlight", "cones", "lighting",
                                      "lighting.specular", "post"));
@@ -72,7 +72,7 @@ TEST(Plan, EnvironmentAlone) {
 
 TEST(Plan, MaskBlendUnlitAndNormalMaps) {
     SceneFacts facts = surfaces();
-    facts.sun = facts.alpha_mask = facts.alpha_blend = facts.unlit = facts.normal_maps = true;
+    facts.lights = facts.alpha_mask = facts.alpha_blend = facts.unlit = facts.normal_maps = true;
     const std::set<std::string> with = needed(make_plan(facts, {}));
     EXPECT_THAT(with, IsSupersetOf({"gbuffer.mask", "voxels.mask", "voxels.opacity", "blend",
                                     "gbuffer.emission", "gbuffer.normal_maps"}));
@@ -81,7 +81,7 @@ TEST(Plan, MaskBlendUnlitAndNormalMaps) {
 
 TEST(Plan, WithoutIndirectLightNoVoxels) {
     SceneFacts facts = surfaces();
-    facts.sun = facts.emission = facts.environment = facts.alpha_mask = facts.alpha_blend = true;
+    facts.lights = facts.emission = facts.environment = facts.alpha_mask = facts.alpha_blend = true;
     const Plan plan = make_plan(facts, {.gi = false});
     for (const std::string& name : needed(plan)) {
         EXPECT_THAT(name, Not(HasSubstr("voxels")));
@@ -108,7 +108,7 @@ TEST(Plan, FullForcesEverythingAndSaysSo) {
                                .normal_maps = bit(5),
                                .specular = bit(6),
                                .environment = bit(7),
-                               .sun = bit(8)};
+                               .lights = bit(8)};
         for (const bool gi : {true, false}) {
             Settings settings{.gi = gi};
             const Plan automatic = make_plan(facts, settings);
@@ -184,10 +184,13 @@ TEST(Examine, CountsOnlyWhatInstancesUse) {
 TEST(Examine, LightsThatGiveNoneAreNone) {
     scene::Scene scene = with_material({});
     scene.lights = {{.kind = scene::LightKind::directional, .intensity = {0, 0, 0}},
-                    {.kind = scene::LightKind::point, .intensity = {5, 5, 5}}};
-    EXPECT_FALSE(examine(scene, {}).sun);
+                    {.kind = scene::LightKind::point, .intensity = {0, 0, 0}}};
+    EXPECT_FALSE(examine(scene, {}).lights);
     scene.lights.push_back({.kind = scene::LightKind::directional, .intensity = {0, 1e-6f, 0}});
-    EXPECT_TRUE(examine(scene, {}).sun);
+    EXPECT_TRUE(examine(scene, {}).lights);
+    EXPECT_EQ(examine(scene, {}).light_cameras, 1u);
+    scene.lights.push_back({.kind = scene::LightKind::point, .intensity = {1, 0, 0}});
+    EXPECT_EQ(examine(scene, {}).light_cameras, 7u);
     EXPECT_FALSE(examine(scene, {}).environment);
     scene.environment_radiance = {0, 0, 1e-6f};
     EXPECT_TRUE(examine(scene, {}).environment);
