@@ -1,12 +1,9 @@
 #include "backends/vulkan/gpu.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <cctype>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <optional>
 
+#include "backends/vulkan/candidate.hpp"
 #include "backends/vulkan/convert.hpp"
 
 namespace lumo::backends::vulkan {
@@ -16,176 +13,21 @@ namespace {
 using rhi::FormatCaps;
 using rhi::Timing;
 
-/// The features that lumo uses, and whether it runs without them. Beyond these it needs only what every
-/// Vulkan 1.3 device has: dynamic rendering, synchronization2, timeline semaphores, host query reset.
-struct Feature {
-    const char* name;
-    VkBool32 VkPhysicalDeviceFeatures::*field;
-    bool required;
-};
-constexpr Feature features[] = {
-    {"fragmentStoresAndAtomics", &VkPhysicalDeviceFeatures::fragmentStoresAndAtomics, true},
-    {"shaderStorageImageWriteWithoutFormat", &VkPhysicalDeviceFeatures::shaderStorageImageWriteWithoutFormat,
-     true},
-    {"shaderStorageImageExtendedFormats", &VkPhysicalDeviceFeatures::shaderStorageImageExtendedFormats, true},
-    {"independentBlend", &VkPhysicalDeviceFeatures::independentBlend, true},
-    {"geometryShader", &VkPhysicalDeviceFeatures::geometryShader, false},
-    {"vertexPipelineStoresAndAtomics", &VkPhysicalDeviceFeatures::vertexPipelineStoresAndAtomics, false},
-    {"depthClamp", &VkPhysicalDeviceFeatures::depthClamp, false},
-    {"samplerAnisotropy", &VkPhysicalDeviceFeatures::samplerAnisotropy, false},
-    {"multiDrawIndirect", &VkPhysicalDeviceFeatures::multiDrawIndirect, false},
-    {"imageCubeArray", &VkPhysicalDeviceFeatures::imageCubeArray, false},
-    {"textureCompressionBC", &VkPhysicalDeviceFeatures::textureCompressionBC, false},
-};
-
-/// What is known of a physical device before it is opened.
-struct Candidate {
-    VkPhysicalDevice device;
-    VkPhysicalDeviceProperties properties;
-    VkPhysicalDeviceDriverProperties driver;
-    VkPhysicalDeviceFeatures features;
-    uint32_t max_push_descriptors = 0;
-    bool push_descriptors = false;
-    bool budget = false;
-    std::optional<uint32_t> queue_family;
-    uint32_t timestamp_bits = 0;
-    std::vector<std::string> lacks;
-
-    std::string_view name() const { return properties.deviceName; }
-};
-
-/// With a surface, as a device that presents to it.
-Candidate look_at(const Instance& instance, VkPhysicalDevice device, VkSurfaceKHR surface = VK_NULL_HANDLE) {
-    const auto& vk = instance.vk();
-    Candidate found{.device = device};
-
-    auto extensions = enumerate<VkExtensionProperties>([&](uint32_t* count, VkExtensionProperties* list) {
-        vk.device_extensions(device, nullptr, count, list);
-    });
-    auto has_extension = [&](std::string_view name) {
-        return std::any_of(extensions.begin(), extensions.end(),
-                           [&](const VkExtensionProperties& e) { return name == e.extensionName; });
+/// That the host said all that cannot be asked.
+Result<void> check_host(const HostDevice& host, const rhi::DeviceDesc& desc) {
+    auto missing = [](const char* member) {
+        return fail(ErrorKind::invalid_argument, "HostDevice", fmt::format("{} is not set", member));
     };
-    found.push_descriptors = has_extension(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
-    found.budget = has_extension(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
-
-    VkPhysicalDevicePushDescriptorPropertiesKHR push{
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PUSH_DESCRIPTOR_PROPERTIES_KHR};
-    found.driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
-                    .pNext = found.push_descriptors ? &push : nullptr};
-    VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
-                                           .pNext = &found.driver};
-    vk.properties(device, &properties);
-    found.driver.pNext = nullptr;
-    found.properties = properties.properties;
-    found.push_descriptors = found.push_descriptors && push.maxPushDescriptors >= 32;
-
-    VkPhysicalDeviceFeatures2 available{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
-    vk.features(device, &available);
-    found.features = available.features;
-
-    uint32_t version = found.properties.apiVersion;
-    if (version < VK_API_VERSION_1_3) {
-        found.lacks.push_back(fmt::format("Vulkan 1.3 (it has {}.{})", VK_API_VERSION_MAJOR(version),
-                                          VK_API_VERSION_MINOR(version)));
+    if (!host.get_instance_proc_addr) return missing("get_instance_proc_addr");
+    if (!host.instance) return missing("instance");
+    if (!host.physical_device) return missing("physical_device");
+    if (!host.device) return missing("device");
+    if (!host.queue) return missing("queue");
+    if (desc.validation) {
+        return fail(ErrorKind::invalid_argument, "DeviceDesc", "validation is asked for on a host's device",
+                    "switch the layers on with the host's instance");
     }
-    for (const auto& feature : features) {
-        if (feature.required && !(found.features.*feature.field)) found.lacks.emplace_back(feature.name);
-    }
-    auto families = enumerate<VkQueueFamilyProperties>(
-        [&](uint32_t* count, VkQueueFamilyProperties* list) { vk.queue_families(device, count, list); });
-    constexpr VkQueueFlags both = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    auto family = std::find_if(families.begin(), families.end(), [&](const VkQueueFamilyProperties& f) {
-        VkBool32 presents = VK_TRUE;
-        if (surface) vk.surface_support(device, uint32_t(&f - families.data()), surface, &presents);
-        return (f.queueFlags & both) == both && presents;
-    });
-    if (surface && !has_extension(VK_KHR_SWAPCHAIN_EXTENSION_NAME)) found.lacks.emplace_back("swapchains");
-    if (family == families.end()) {
-        found.lacks.emplace_back(surface ? "a queue for graphics, compute and presenting to this window"
-                                         : "a queue for both graphics and compute");
-    } else {
-        found.queue_family = uint32_t(family - families.begin());
-        found.timestamp_bits = family->timestampValidBits;
-    }
-    return found;
-}
-
-/// The higher, the more likely it is fast.
-int rank(VkPhysicalDeviceType type) {
-    constexpr int ranks[] = {0, 3, 4, 2, 1};  // other, integrated, discrete, virtual, CPU
-    return size_t(type) < std::size(ranks) ? ranks[type] : 0;
-}
-
-/// `part` in `name`, without case.
-bool names(std::string_view name, std::string_view part) {
-    return std::search(name.begin(), name.end(), part.begin(), part.end(), [](char a, char b) {
-               return std::tolower(uint8_t(a)) == std::tolower(uint8_t(b));
-           }) != name.end();
-}
-
-Result<Candidate> choose(const Instance& instance, std::string_view name, VkSurfaceKHR surface) {
-    std::vector<Candidate> candidates;
-    for (VkPhysicalDevice device : instance.physical_devices())
-        candidates.push_back(look_at(instance, device, surface));
-    if (candidates.empty()) {
-        return fail(ErrorKind::no_device, "Vulkan", "no device was found",
-                    "install a Vulkan driver, such as the package mesa-vulkan-drivers, or use OpenGL");
-    }
-    std::string list;
-    for (const auto& candidate : candidates)
-        list += (list.empty() ? "" : ", ") + std::string(candidate.name());
-    std::erase_if(candidates, [&](const Candidate& c) { return !names(c.name(), name); });
-    if (candidates.empty()) {
-        return fail(ErrorKind::no_device, std::string(name), "no Vulkan device has this name",
-                    "found: " + list);
-    }
-    auto best = std::max_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-        auto key = [](const Candidate& c) {
-            return std::pair(c.lacks.empty(), rank(c.properties.deviceType));
-        };
-        return key(a) < key(b);
-    });
-    if (!best->lacks.empty()) {
-        return fail(ErrorKind::unsupported, std::string(best->name()),
-                    fmt::format("the device lacks {}", fmt::join(best->lacks, ", ")),
-                    "update its driver, or name another device; found: " + list);
-    }
-    return *best;
-}
-
-rhi::DeviceInfo describe(const Candidate& candidate) {
-    const auto& properties = candidate.properties;
-    const auto& limits = properties.limits;
-    bool software = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-    rhi::DeviceInfo info{
-        .api = rhi::Api::vulkan,
-        .name = properties.deviceName,
-        .driver = fmt::format("{} {}", candidate.driver.driverName, candidate.driver.driverInfo),
-        .api_version = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(properties.apiVersion),
-                                   VK_API_VERSION_MINOR(properties.apiVersion),
-                                   VK_API_VERSION_PATCH(properties.apiVersion)),
-        .software = software,
-        .geometry_shader = candidate.features.geometryShader == VK_TRUE,
-        .timing = software ? Timing::serialised : Timing::overlapped,
-    };
-    auto& out = info.limits;
-    std::copy_n(limits.maxComputeWorkGroupCount, 3, out.max_groups);
-    std::copy_n(limits.maxComputeWorkGroupSize, 3, out.max_group_size);
-    out.max_group_invocations = limits.maxComputeWorkGroupInvocations;
-    out.max_shared_memory = limits.maxComputeSharedMemorySize;
-    out.max_texture_side_2d = limits.maxImageDimension2D;
-    out.max_texture_side_3d = limits.maxImageDimension3D;
-    out.max_texture_layers = limits.maxImageArrayLayers;
-    out.max_storage_bytes = limits.maxStorageBufferRange;
-    out.max_uniform_bytes = limits.maxUniformBufferRange;
-    out.storage_alignment = uint32_t(limits.minStorageBufferOffsetAlignment);
-    out.uniform_alignment = uint32_t(limits.minUniformBufferOffsetAlignment);
-    out.max_color_targets = limits.maxColorAttachments;
-    out.max_anisotropy = candidate.features.samplerAnisotropy ? limits.maxSamplerAnisotropy : 1;
-    out.max_samples =
-        std::bit_floor(limits.framebufferColorSampleCounts & limits.framebufferDepthSampleCounts);
-    return info;
+    return {};
 }
 
 }  // namespace
@@ -228,29 +70,14 @@ Result<std::unique_ptr<Gpu>> Gpu::create(const rhi::DeviceDesc& desc, std::share
     }
     auto chosen = choose(*gpu->instance_, desc.name, gpu->surface_);
     if (!chosen) return tl::unexpected(chosen.error());
-    gpu->physical_ = chosen->device;
-    gpu->properties_ = chosen->properties;
-    gpu->info_ = describe(*chosen);
+    gpu->take(*chosen, desc);
     gpu->info_.validation = desc.validation;
     gpu->info_.window = gpu->surface_ != VK_NULL_HANDLE;
-    if (desc.timing != Timing::automatic) gpu->info_.timing = desc.timing;
-    gpu->queue_family_ = *chosen->queue_family;
-    gpu->timestamp_bits_ = chosen->timestamp_bits;
-    gpu->push_descriptors_ = chosen->push_descriptors;
-    gpu->multi_draw_indirect_ = chosen->features.multiDrawIndirect;
-    gpu->budget_ = chosen->budget;
 
-    VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
-                                         .synchronization2 = VK_TRUE,
-                                         .dynamicRendering = VK_TRUE,
-                                         .maintenance4 = VK_TRUE};
-    VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-                                         .pNext = &v13,
-                                         .hostQueryReset = VK_TRUE,
-                                         .timelineSemaphore = VK_TRUE};
-    VkPhysicalDeviceFeatures2 enabled{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
-    for (const auto& feature : features) enabled.features.*feature.field = chosen->features.*feature.field;
-
+    gpu->features_.v12.pNext = &gpu->features_.v13;
+    VkPhysicalDeviceFeatures2 enabled{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                      .pNext = &gpu->features_.v12,
+                                      .features = gpu->features_.core};
     std::vector<const char*> extensions;
     if (gpu->push_descriptors_) extensions.push_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     if (gpu->budget_) extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
@@ -274,9 +101,53 @@ Result<std::unique_ptr<Gpu>> Gpu::create(const rhi::DeviceDesc& desc, std::share
     return gpu;
 }
 
+Result<std::unique_ptr<Gpu>> Gpu::adopt(const HostDevice& host, const rhi::DeviceDesc& desc) {
+    if (auto complete = check_host(host, desc); !complete) return tl::unexpected(complete.error());
+    auto instance = Instance::adopt(host.get_instance_proc_addr, host.instance, desc.sink);
+    if (!instance) return tl::unexpected(instance.error());
+
+    const Usable usable{{host.extensions.begin(), host.extensions.end()}, enabled_in(host.features)};
+    Candidate found = look_at(**instance, host.physical_device, usable, host.queue_family);
+    if (host.api_version < VK_API_VERSION_1_3) {
+        found.lacks.push_back(fmt::format("an instance of Vulkan 1.3 (it was made for {}.{})",
+                                          VK_API_VERSION_MAJOR(host.api_version),
+                                          VK_API_VERSION_MINOR(host.api_version)));
+    }
+    if (!has_name(found, desc.name)) {
+        return fail(ErrorKind::no_device, desc.name, fmt::format("the host's device is \"{}\"", found.name()),
+                    "ask for no name, or adopt another device");
+    }
+    if (!found.lacks.empty()) {
+        return fail(ErrorKind::unsupported, std::string(found.name()),
+                    fmt::format("the host's device was made without {}", fmt::join(found.lacks, ", ")),
+                    "enable it where the host makes its device; docs/porting.md lists all");
+    }
+    std::unique_ptr<Gpu> gpu(new Gpu);
+    gpu->adopted_ = true;
+    gpu->instance_ = std::move(*instance);
+    gpu->take(found, desc);
+    gpu->device_ = host.device;
+    gpu->queue_ = host.queue;
+    gpu->instance_->load(gpu->table_, gpu->device_);
+    gpu->query_formats();
+    return gpu;
+}
+
 Gpu::~Gpu() {
-    if (device_) table_.vkDestroyDevice(device_, nullptr);
+    if (device_ && !adopted_) table_.vkDestroyDevice(device_, nullptr);
     if (surface_) instance_->vk().destroy_surface(instance_->handle(), surface_, nullptr);
+}
+
+void Gpu::take(const Candidate& candidate, const rhi::DeviceDesc& desc) {
+    physical_ = candidate.device;
+    properties_ = candidate.properties;
+    features_ = used_of(candidate.features);
+    info_ = describe(candidate);
+    if (desc.timing != Timing::automatic) info_.timing = desc.timing;
+    queue_family_ = *candidate.queue_family;
+    timestamp_bits_ = candidate.timestamp_bits;
+    push_descriptors_ = candidate.push_descriptors;
+    budget_ = candidate.budget;
 }
 
 void Gpu::query_formats() {
@@ -285,6 +156,8 @@ void Gpu::query_formats() {
         VkFormatProperties2 properties{.sType = VK_STRUCTURE_TYPE_FORMAT_PROPERTIES_2};
         instance_->vk().format_properties(physical_, to_vk(format), &properties);
         VkFormatFeatureFlags has = properties.formatProperties.optimalTilingFeatures;
+        // What a host did not enable is not there, whatever the driver could do.
+        if (rhi::format_info(format).block_side > 1 && !features_.core.textureCompressionBC) has = 0;
         FormatCaps caps = FormatCaps::none;
         auto add = [&](VkFormatFeatureFlags bits, FormatCaps cap) {
             if (has & bits) caps |= cap;

@@ -10,6 +10,8 @@
 #include <volk.h>
 
 #include "backends/surface.hpp"
+#include "backends/vulkan/adopt.hpp"
+#include "backends/vulkan/features.hpp"
 #include "backends/vulkan/instance.hpp"
 #include "rhi/device_info.hpp"
 #include "rhi/error.hpp"
@@ -63,12 +65,16 @@ T handle_of(uint64_t number) {
 /// What a failed call means to the caller; `call` says which.
 tl::unexpected<Error> fail(VkResult result, std::string subject, std::string_view call);
 
+struct Candidate;
+
 class Gpu {
   public:
     /// The best device, or the one whose name holds desc.name; with a surface, one that presents to it. Errors: no_device (with what was found),
     /// unsupported (with what the device lacks).
     static Result<std::unique_ptr<Gpu>> create(const rhi::DeviceDesc& desc,
                                                std::shared_ptr<const Surface> surface);
+    /// A host's. Errors: adopt_device's.
+    static Result<std::unique_ptr<Gpu>> adopt(const HostDevice& host, const rhi::DeviceDesc& desc);
     ~Gpu();
     Gpu(const Gpu&) = delete;
     Gpu& operator=(const Gpu&) = delete;
@@ -91,7 +97,8 @@ class Gpu {
     const VkPhysicalDeviceProperties& properties() const { return properties_; }
     uint32_t timestamp_bits() const { return timestamp_bits_; }
     bool has_push_descriptors() const { return push_descriptors_; }
-    bool has_multi_draw_indirect() const { return multi_draw_indirect_; }
+    /// Those that are enabled.
+    const Features& features() const { return features_; }
     rhi::MemoryBudget memory_budget() const;
 
     void set_name(VkObjectType type, uint64_t object, std::string_view name) const;
@@ -112,6 +119,7 @@ class Gpu {
 
   private:
     Gpu() = default;
+    void take(const Candidate& candidate, const rhi::DeviceDesc& desc);
     void query_formats();
 
     std::shared_ptr<const Surface> window_;
@@ -122,13 +130,13 @@ class Gpu {
     VkQueue queue_ = VK_NULL_HANDLE;
     VolkDeviceTable table_{};
     VkPhysicalDeviceProperties properties_{};
+    Features features_;
     rhi::DeviceInfo info_;
     std::array<rhi::FormatCaps, rhi::format_count> format_caps_{};
     uint32_t queue_family_ = 0;
     uint32_t timestamp_bits_ = 0;
     bool adopted_ = false;
     bool push_descriptors_ = false;
-    bool multi_draw_indirect_ = false;
     bool budget_ = false;
 };
 

@@ -1,6 +1,5 @@
 // volk's global function pointers are hidden, so that they never stand in for the functions of a Vulkan
 // library that the host program links. What volk.h includes must stay visible.
-#define VK_NO_PROTOTYPES
 #include <dlfcn.h>
 #include <vulkan/vulkan.h>
 #pragma GCC visibility push(hidden)
@@ -135,40 +134,60 @@ Result<std::unique_ptr<Instance>> Instance::create(bool validation, rhi::Message
                     "install a Vulkan driver, such as the package mesa-vulkan-drivers, or use OpenGL");
     }
 
-    VkInstance instance = made->instance_;
-    auto& vk = made->table_;
-    load(vk.destroy_instance, instance, "vkDestroyInstance");
-    load(vk.enumerate_physical_devices, instance, "vkEnumeratePhysicalDevices");
-    load(vk.device_extensions, instance, "vkEnumerateDeviceExtensionProperties");
-    load(vk.properties, instance, "vkGetPhysicalDeviceProperties2");
-    load(vk.features, instance, "vkGetPhysicalDeviceFeatures2");
-    load(vk.queue_families, instance, "vkGetPhysicalDeviceQueueFamilyProperties");
-    load(vk.memory_properties, instance, "vkGetPhysicalDeviceMemoryProperties2");
-    load(vk.format_properties, instance, "vkGetPhysicalDeviceFormatProperties2");
-    load(vk.image_format_properties, instance, "vkGetPhysicalDeviceImageFormatProperties2");
-    load(vk.create_device, instance, "vkCreateDevice");
-    load(vk.get_device_proc_addr, instance, "vkGetDeviceProcAddr");
-    if (!surfaces.empty()) {
-        load(vk.destroy_surface, instance, "vkDestroySurfaceKHR");
-        load(vk.surface_support, instance, "vkGetPhysicalDeviceSurfaceSupportKHR");
-        load(vk.surface_capabilities, instance, "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
-        load(vk.surface_formats, instance, "vkGetPhysicalDeviceSurfaceFormatsKHR");
-        load(vk.present_modes, instance, "vkGetPhysicalDeviceSurfacePresentModesKHR");
-    }
-    if (debug_utils) {
-        load(vk.create_messenger, instance, "vkCreateDebugUtilsMessengerEXT");
-        load(vk.destroy_messenger, instance, "vkDestroyDebugUtilsMessengerEXT");
-        load(vk.set_object_name, instance, "vkSetDebugUtilsObjectNameEXT");
-        load(vk.begin_label, instance, "vkCmdBeginDebugUtilsLabelEXT");
-        load(vk.end_label, instance, "vkCmdEndDebugUtilsLabelEXT");
-        vk.create_messenger(instance, &messenger, nullptr, &made->messenger_);
+    made->load(get);
+    if (debug_utils) made->table_.create_messenger(made->instance_, &messenger, nullptr, &made->messenger_);
+    return made;
+}
+
+Result<std::unique_ptr<Instance>> Instance::adopt(PFN_vkGetInstanceProcAddr get, VkInstance instance,
+                                                  rhi::MessageSink sink) {
+    std::unique_ptr<Instance> made(new Instance(std::move(sink)));
+    made->instance_ = instance;
+    made->adopted_ = true;
+    made->load(get);
+    const auto& vk = made->table_;
+    const bool complete = vk.properties && vk.features && vk.queue_families && vk.memory_properties &&
+                          vk.format_properties && vk.image_format_properties && vk.get_device_proc_addr;
+    if (!complete) {
+        return fail(ErrorKind::unsupported, "HostDevice",
+                    "get_instance_proc_addr does not give the functions of a Vulkan 1.1 instance",
+                    "make the host's instance for Vulkan 1.3");
     }
     return made;
 }
 
+/// What belongs to extensions that are not enabled stays null.
+void Instance::load(PFN_vkGetInstanceProcAddr get) {
+    auto load = [&]<class F>(F& function, const char* name) {
+        function = reinterpret_cast<F>(get(instance_, name));
+    };
+    auto& vk = table_;
+    load(vk.destroy_instance, "vkDestroyInstance");
+    load(vk.enumerate_physical_devices, "vkEnumeratePhysicalDevices");
+    load(vk.device_extensions, "vkEnumerateDeviceExtensionProperties");
+    load(vk.properties, "vkGetPhysicalDeviceProperties2");
+    load(vk.features, "vkGetPhysicalDeviceFeatures2");
+    load(vk.queue_families, "vkGetPhysicalDeviceQueueFamilyProperties");
+    load(vk.memory_properties, "vkGetPhysicalDeviceMemoryProperties2");
+    load(vk.format_properties, "vkGetPhysicalDeviceFormatProperties2");
+    load(vk.image_format_properties, "vkGetPhysicalDeviceImageFormatProperties2");
+    load(vk.create_device, "vkCreateDevice");
+    load(vk.get_device_proc_addr, "vkGetDeviceProcAddr");
+    load(vk.destroy_surface, "vkDestroySurfaceKHR");
+    load(vk.surface_support, "vkGetPhysicalDeviceSurfaceSupportKHR");
+    load(vk.surface_capabilities, "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
+    load(vk.surface_formats, "vkGetPhysicalDeviceSurfaceFormatsKHR");
+    load(vk.present_modes, "vkGetPhysicalDeviceSurfacePresentModesKHR");
+    load(vk.create_messenger, "vkCreateDebugUtilsMessengerEXT");
+    load(vk.destroy_messenger, "vkDestroyDebugUtilsMessengerEXT");
+    load(vk.set_object_name, "vkSetDebugUtilsObjectNameEXT");
+    load(vk.begin_label, "vkCmdBeginDebugUtilsLabelEXT");
+    load(vk.end_label, "vkCmdEndDebugUtilsLabelEXT");
+}
+
 Instance::~Instance() {
     if (messenger_) table_.destroy_messenger(instance_, messenger_, nullptr);
-    if (instance_) table_.destroy_instance(instance_, nullptr);
+    if (instance_ && !adopted_) table_.destroy_instance(instance_, nullptr);
 }
 
 std::vector<VkPhysicalDevice> Instance::physical_devices() const {

@@ -57,6 +57,9 @@ class Instance {
     /// instance), unsupported (the layer or Vulkan 1.3 is missing).
     static Result<std::unique_ptr<Instance>> create(bool validation, rhi::MessageSink sink,
                                                     std::span<const char* const> surfaces);
+    /// A host's, by its own loader; messages are the host's matter. Error: unsupported (a function is missing).
+    static Result<std::unique_ptr<Instance>> adopt(PFN_vkGetInstanceProcAddr get, VkInstance instance,
+                                                   rhi::MessageSink sink);
     ~Instance();
     Instance(const Instance&) = delete;
     Instance& operator=(const Instance&) = delete;
@@ -71,9 +74,11 @@ class Instance {
 
   private:
     explicit Instance(rhi::MessageSink sink) : sink_(std::move(sink)) {}
+    void load(PFN_vkGetInstanceProcAddr get);
 
     rhi::MessageSink sink_;
     VkInstance instance_ = VK_NULL_HANDLE;
+    bool adopted_ = false;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     InstanceTable table_{};
 };

@@ -259,7 +259,7 @@ void Recorder::operator()(const rhi::DrawIndirectCommand& command) {
                                  to_vk(command.index_type));
     }
     auto draw = indexed ? vk_.vkCmdDrawIndexedIndirect : vk_.vkCmdDrawIndirect;
-    uint32_t at_once = gpu_.has_multi_draw_indirect() ? command.draws : 1;
+    uint32_t at_once = gpu_.features().core.multiDrawIndirect ? command.draws : 1;
     for (uint32_t i = 0; i < command.draws; i += at_once) {
         draw(commands_, buffer(command.arguments), command.arguments.offset + uint64_t(i) * command.stride,
              at_once, command.stride);

@@ -17,7 +17,13 @@ class VulkanBackend : public rhi::Backend {
   public:
     static Result<std::unique_ptr<rhi::Backend>> create(const rhi::DeviceDesc& desc,
                                                         std::shared_ptr<const Surface> surface) {
-        auto gpu = Gpu::create(desc, std::move(surface));
+        return on(Gpu::create(desc, std::move(surface)), desc);
+    }
+    static Result<std::unique_ptr<rhi::Backend>> adopt(const HostDevice& host, const rhi::DeviceDesc& desc) {
+        return on(Gpu::adopt(host, desc), desc);
+    }
+    static Result<std::unique_ptr<rhi::Backend>> on(Result<std::unique_ptr<Gpu>> gpu,
+                                                    const rhi::DeviceDesc& desc) {
         if (!gpu) return tl::unexpected(gpu.error());
         std::unique_ptr<VulkanBackend> made(new VulkanBackend(std::move(*gpu), desc.disk_cache));
         auto executor = Executor::create(*made->gpu_, made->store_);
@@ -67,7 +73,7 @@ class VulkanBackend : public rhi::Backend {
     void destroy(rhi::PipelineHandle handle) override { store_.pipelines[handle.index] = {}; }
 
     Result<void> begin(uint64_t serial) override { return executor_->begin(serial); }
-    void emit(const rhi::EmittedPass& pass) override { executor_->emit(pass); }
+    Result<void> emit(const rhi::EmittedPass& pass) override { return executor_->emit(pass); }
     Result<void> submit(std::span<const rhi::Barrier> hand_back) override {
         return executor_->submit(hand_back);
     }
@@ -96,6 +102,10 @@ class VulkanBackend : public rhi::Backend {
 Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc,
                                                      std::shared_ptr<const Surface> surface) {
     return VulkanBackend::create(desc, std::move(surface));
+}
+
+Result<std::unique_ptr<rhi::Backend>> adopt_backend(const HostDevice& host, const rhi::DeviceDesc& desc) {
+    return VulkanBackend::adopt(host, desc);
 }
 
 std::vector<rhi::DeviceInfo> list_devices() {
