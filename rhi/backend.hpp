@@ -128,7 +128,8 @@ struct CreatedBuffer {
 };
 
 /// Resources are named by the core's handles; their index is small and dense, and a backend keeps its own
-/// objects by it. Calls come from one thread.
+/// objects by it. Calls come from one thread. A call that failed leaves nothing behind. After the error
+/// device_lost nothing runs on the device any more, and only destructions follow.
 class Backend {
   public:
     virtual ~Backend() = default;
@@ -154,13 +155,15 @@ class Backend {
     virtual void destroy(PipelineHandle handle) = 0;
 
     /// Opens submission `serial` (1, 2, 3, …). Passes are emitted into it until submit. When more submissions
-    /// are in flight than `max_in_flight`, waits for the oldest.
+    /// are in flight than `max_in_flight`, waits for the oldest. After an error the submission counts as finished
+    /// with those before it, and neither emit nor submit follow.
     virtual Result<void> begin(uint64_t serial) = 0;
     /// Records a pass, with a label, and time stamps around it. Host reads of copied data are ordered by
-    /// `submit`.
-    virtual void emit(const EmittedPass& pass) = 0;
+    /// `submit`. After an error the barriers stand, and the commands that it concerns are left out.
+    virtual Result<void> emit(const EmittedPass& pass) = 0;
     /// `hand_back`: barriers after the last pass, of the host's textures that the submission used. Their accesses
     /// and layouts by the host are `external`; so are those of barriers in front of a submission's first use.
+    /// After an error nothing of the submission runs, and it counts as finished with those before it.
     virtual Result<void> submit(std::span<const Barrier> hand_back) = 0;
     /// Of the open submission: its work waits for, or signals, what is the host's. `wait_for` comes before its
     /// first pass. Error: unsupported.

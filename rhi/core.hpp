@@ -17,6 +17,11 @@
 
 namespace lumo::rhi {
 
+/// An error that came up in something larger.
+inline Error within(std::string_view where, const Error& error) {
+    return {error.kind, std::string(where), to_string(error), {}};
+}
+
 /// Errors of commands reach the message sink when they happen; what is returned as well is for callers that
 /// have someone to hand it to.
 class DeviceCore {
@@ -43,7 +48,7 @@ class DeviceCore {
     uint64_t begin();
     Submission submit(uint64_t serial);
     Result<void> wait(uint64_t serial);
-    bool finished(uint64_t serial) { return serial <= backend_->completed(); }
+    bool finished(uint64_t serial) { return lost_ || serial <= backend_->completed(); }
     Result<std::vector<std::byte>> take(Readback readback);
     std::vector<PassTime> pass_times(uint64_t serial);
     std::string trace(uint64_t serial) const;
@@ -86,7 +91,8 @@ class DeviceCore {
                       std::span<const std::byte> push, const AnyDraw& draw);
     Result<void> viewport(uint64_t id, const Viewport& viewport);
 
-    tl::unexpected<Error> drop(std::string_view where, const Fault& fault) const;
+    /// Reports why a command is dropped. What the environment refused fails the open submission as well.
+    tl::unexpected<Error> drop(std::string_view where, const Fault& fault);
 
   private:
     /// The pass that is open.
@@ -105,6 +111,7 @@ class DeviceCore {
     struct Record {
         std::vector<std::string> passes;
         std::string trace;
+        std::optional<Error> failure;  ///< the first thing that the environment refused it
     };
     /// One command's bindings, checked and kept, with what they touch.
     struct Bound {
@@ -115,12 +122,21 @@ class DeviceCore {
     /// Runs `body` (OpenPass& -> Verdict) on pass `id` if that is open, and reports what it finds.
     template <class Body>
     Result<void> record(uint64_t id, Body body) {
+        if (lost_) return tl::unexpected(*lost_);
         if (!pass_ || id == 0 || pass_->id != id)
             return drop("pass", {Check::commands_spent, "it has ended, or could not be opened"});
         Verdict bad = body(*pass_);
         if (bad) return drop(pass_->name, *bad);
         return {};
     }
+    /// Reports what the environment refused, and fails the submission of that serial, if any, with it. The first
+    /// loss of the device is reported so, and is the error of every later call.
+    tl::unexpected<Error> refuse(uint64_t serial, Error error);
+    /// Waits without asking whether the submission did all that it should.
+    Result<void> finish(uint64_t serial);
+    /// What `make` creates, unless the device is lost.
+    template <class Make>
+    auto create(Make make) -> decltype(make());
     uint64_t start_pass(uint64_t serial, std::string_view name, std::unique_ptr<OpenPass> pass);
     void add(OpenPass& pass, std::string_view what, std::span<const Use> uses, bool unordered,
              const Command& command);
@@ -161,6 +177,7 @@ class DeviceCore {
     uint64_t open_serial_ = 0;     ///< 0 while nothing is recorded
     bool presented_ = false;       ///< in the open submission
     std::set<MemoryId> borrowed_;  ///< the host's that the open submission used
+    bool idle_ = false;            ///< the open submission was refused: nothing of it runs
     std::optional<Error> lost_;
     uint64_t last_pass_ = 0;
     std::unique_ptr<OpenPass> pass_;

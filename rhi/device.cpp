@@ -28,9 +28,17 @@ DeviceCore::DeviceCore(std::unique_ptr<Backend> backend, MessageSink sink)
 
 DeviceCore::~DeviceCore() = default;
 
+template <class Make>
+auto DeviceCore::create(Make make) -> decltype(make()) {
+    if (lost_) return tl::unexpected(*lost_);
+    auto made = make();
+    if (!made && made.error().kind == ErrorKind::device_lost) return refuse(open_serial_, made.error());
+    return made;
+}
+
 Result<Buffer> DeviceCore::create_buffer(const BufferDesc& desc) {
     if (auto fine = check_desc(desc); !fine) return tl::unexpected(fine.error());
-    return resources_.create(desc, false).map([&](BufferHandle handle) {
+    return create([&] { return resources_.create(desc, false); }).map([&](BufferHandle handle) {
         tracker_.forget(MemoryId::Kind::buffer, handle.index);
         ++owners_;
         return Buffer(*this, handle, desc.size, resources_.find(handle)->mapped);
@@ -40,7 +48,7 @@ Result<Buffer> DeviceCore::create_buffer(const BufferDesc& desc) {
 Result<Texture> DeviceCore::create_texture(const TextureDesc& desc) {
     if (auto fine = check_desc(desc, format_caps(desc.format), info().limits); !fine)
         return tl::unexpected(fine.error());
-    return resources_.create(desc).map([&](TextureHandle handle) {
+    return create([&] { return resources_.create(desc); }).map([&](TextureHandle handle) {
         tracker_.forget(MemoryId::Kind::texture, handle.index);
         ++owners_;
         return Texture(*this, handle, desc);
@@ -52,7 +60,7 @@ Result<Texture> DeviceCore::adopt_texture(const TextureDesc& desc, const NativeT
         return tl::unexpected(fine.error());
     if (native.object == 0)
         return fail(ErrorKind::invalid_argument, desc.name, "no texture of the host's is named");
-    return resources_.adopt(desc, native).map([&](TextureHandle handle) {
+    return create([&] { return resources_.adopt(desc, native); }).map([&](TextureHandle handle) {
         tracker_.forget(MemoryId::Kind::texture, handle.index);
         for (uint32_t mip = 0; mip < desc.mips; ++mip)
             tracker_.adopt({MemoryId::Kind::texture, handle.index, mip});
@@ -65,7 +73,7 @@ Result<Sampler> DeviceCore::create_sampler(const SamplerDesc& desc) {
     if (auto fine = check_desc(desc); !fine) return tl::unexpected(fine.error());
     SamplerDesc possible = desc;
     possible.max_anisotropy = std::min(desc.max_anisotropy, info().limits.max_anisotropy);
-    return resources_.create(possible).map([&](SamplerHandle handle) {
+    return create([&] { return resources_.create(possible); }).map([&](SamplerHandle handle) {
         ++owners_;
         return Sampler(*this, handle);
     });
@@ -77,7 +85,7 @@ Result<PipelineHandle> DeviceCore::create_pipeline(const ProgramInfo& program,
     auto fine =
         check_pipeline(program, raster, info(), [this](Format format) { return format_caps(format); });
     if (!fine) return tl::unexpected(fine.error());
-    auto handle = resources_.create(program, options, raster);
+    auto handle = create([&] { return resources_.create(program, options, raster); });
     if (handle) ++owners_;
     return handle;
 }
@@ -105,14 +113,23 @@ void DeviceCore::report(const Message& message) const {
     if (is_failure(message)) std::fprintf(stderr, "lumo: %s: %s\n", message.id.c_str(), message.text.c_str());
 }
 
-tl::unexpected<Error> DeviceCore::drop(std::string_view where, const Fault& fault) const {
-    const bool misuse = fault.check != Check::none;
-    const std::string id = misuse ? std::string(to_string(fault.check)) : "device";
+tl::unexpected<Error> DeviceCore::drop(std::string_view where, const Fault& fault) {
+    if (fault.check == Check::none)
+        return refuse(open_serial_, {fault.kind, std::string(where), fault.text, {}});
+    const std::string id(to_string(fault.check));
     report({Severity::error, fault.check, id, fmt::format("{}: {}", where, fault.text)});
-    return fail(fault.kind, std::string(where), misuse ? id + ": " + fault.text : fault.text);
+    return fail(fault.kind, std::string(where), id + ": " + fault.text);
 }
 
 // -- submissions
+
+tl::unexpected<Error> DeviceCore::refuse(uint64_t serial, Error error) {
+    if (lost_) return tl::unexpected(*lost_);
+    if (error.kind == ErrorKind::device_lost) lost_ = error;
+    if (serial && !records_[serial].failure) records_[serial].failure = error;
+    report({Severity::error, Check::none, "device", to_string(error)});
+    return tl::unexpected(std::move(error));
+}
 
 uint64_t DeviceCore::begin() {
     if (open_serial_) {
@@ -121,12 +138,12 @@ uint64_t DeviceCore::begin() {
     }
     open_serial_ = submitted_ + 1;
     presented_ = false;
-    if (auto begun = lost_ ? tl::unexpected(*lost_) : backend_->begin(open_serial_); !begun && !lost_) {
-        lost_ = begun.error();
-        drop("begin", {Check::none, to_string(*lost_)});
-    }
-    resources_.collect(backend_->completed());
     records_[open_serial_];
+    tracker_.mark();
+    auto begun = lost_ ? tl::unexpected(*lost_) : backend_->begin(open_serial_);
+    idle_ = !begun;
+    if (!begun) refuse(open_serial_, within("begin", begun.error()));
+    resources_.collect(backend_->completed());
     if (open_serial_ > kept_records)
         records_.erase(records_.begin(), records_.upper_bound(open_serial_ - kept_records));
     return open_serial_;
@@ -140,10 +157,14 @@ Submission DeviceCore::submit(uint64_t serial) {
     }
     const std::vector<Barrier> back = hand_back();
     submitted_ = std::exchange(open_serial_, 0);
-    if (auto done = lost_ ? Result<void>{} : backend_->submit(back); !done) {
-        lost_ = done.error();
-        drop("submit", {Check::none, to_string(*lost_)});
+    if (!lost_ && !idle_) {
+        if (auto done = backend_->submit(back); !done) {
+            idle_ = true;
+            refuse(submitted_, within("submit", done.error()));
+        }
     }
+    if (idle_) tracker_.rewind();
+    if (const auto& failure = records_[submitted_].failure) readbacks_.fail(submitted_, *failure);
     return {submitted_};
 }
 
@@ -158,15 +179,25 @@ std::vector<Barrier> DeviceCore::hand_back() {
     return barriers;
 }
 
-Result<void> DeviceCore::wait(uint64_t serial) {
+Result<void> DeviceCore::finish(uint64_t serial) {
     if (serial > submitted_)
         return fail(ErrorKind::invalid_argument, "wait",
                     fmt::format("submission {} was not submitted", serial));
     if (lost_) return tl::unexpected(*lost_);
     auto done = backend_->wait(serial);
-    if (!done && done.error().kind == ErrorKind::device_lost) lost_ = done.error();
-    if (done) resources_.collect(backend_->completed());
+    if (done)
+        resources_.collect(backend_->completed());
+    else if (done.error().kind == ErrorKind::device_lost)
+        refuse(0, within("wait", done.error()));
     return done;
+}
+
+Result<void> DeviceCore::wait(uint64_t serial) {
+    return finish(serial).and_then([&]() -> Result<void> {
+        const auto found = records_.find(serial);
+        if (found == records_.end() || !found->second.failure) return {};
+        return tl::unexpected(*found->second.failure);
+    });
 }
 
 Result<std::vector<std::byte>> DeviceCore::take(Readback readback) {
@@ -178,12 +209,12 @@ Result<std::vector<std::byte>> DeviceCore::take(Readback readback) {
         return drop("take", {Check::ticket_unknown,
                              fmt::format("readback {} is part of submission {}, which was not submitted",
                                          readback.id, ticket->serial)});
-    return wait(ticket->serial).map([&] { return readbacks_.take(readback); });
+    return finish(ticket->serial).and_then([&] { return readbacks_.take(readback); });
 }
 
 std::vector<PassTime> DeviceCore::pass_times(uint64_t serial) {
     const auto found = records_.find(serial);
-    if (found == records_.end() || !wait(serial)) return {};
+    if (found == records_.end() || !finish(serial)) return {};
     const std::vector<PassStamp> stamps = backend_->stamps(serial);
     std::vector<PassTime> times;
     for (size_t i = 0; i < std::min(stamps.size(), found->second.passes.size()); ++i)
@@ -241,41 +272,53 @@ Result<std::vector<std::byte>> Device::take(Readback readback) { return core_->t
 
 namespace {
 
-/// One pass of one submission, waited for. `record` takes the pass's id.
+/// One pass in a submission of its own. `record` takes the pass's id and returns a Result<void>.
 template <class Record>
-auto at_once(DeviceCore& core, std::string_view name, Record record) -> decltype(record(uint64_t{})) {
+Result<Submission> at_once(DeviceCore& core, std::string_view name, Record record) {
     const uint64_t serial = core.begin();
     if (!serial)
         return fail(ErrorKind::invalid_argument, std::string(name), "a submission is being recorded");
     const uint64_t pass = core.open_pass(serial, name);
-    auto recorded = record(pass);
+    const Result<void> recorded = record(pass);
     core.end_pass(pass);
-    core.submit(serial);
-    if (auto done = core.wait(serial); recorded && !done) return tl::unexpected(done.error());
-    return recorded;
+    const Submission submission = core.submit(serial);
+    return recorded.map([&] { return submission; });
+}
+
+/// At once, and waited for.
+template <class Record>
+Result<void> upload_at_once(DeviceCore& core, Record record) {
+    return at_once(core, "upload", record).and_then([&](Submission done) { return core.wait(done.serial); });
+}
+
+/// The bytes of the ticket that `read` takes from a pass.
+template <class Read>
+Result<std::vector<std::byte>> download_at_once(DeviceCore& core, Read read) {
+    Readback ticket;
+    return at_once(core, "download",
+                   [&](uint64_t pass) { return read(pass).map([&](Readback opened) { ticket = opened; }); })
+        .and_then([&](Submission) { return core.take(ticket); });
 }
 
 }  // namespace
 
 Result<void> Device::upload(BufferSlice destination, std::span<const std::byte> bytes) {
-    return at_once(*core_, "upload", [&](uint64_t pass) { return core_->upload(pass, destination, bytes); });
+    return upload_at_once(*core_, [&](uint64_t pass) { return core_->upload(pass, destination, bytes); });
 }
 
 Result<void> Device::upload(const Texture& destination, const TextureRegion& region,
                             std::span<const std::byte> texels) {
-    return at_once(*core_, "upload",
-                   [&](uint64_t pass) { return core_->upload(pass, destination.handle(), region, texels); });
+    return upload_at_once(
+        *core_, [&](uint64_t pass) { return core_->upload(pass, destination.handle(), region, texels); });
 }
 
 Result<std::vector<std::byte>> Device::download(BufferSlice source) {
-    return at_once(*core_, "download", [&](uint64_t pass) { return core_->read(pass, source); })
-        .and_then([&](Readback readback) { return core_->take(readback); });
+    return download_at_once(*core_, [&](uint64_t pass) { return core_->read(pass, source); });
 }
 
 Result<std::vector<std::byte>> Device::download(const Texture& source, const TextureRegion& region) {
-    return at_once(*core_, "download",
-                   [&](uint64_t pass) { return core_->read(pass, source.handle(), region); })
-        .and_then([&](Readback readback) { return core_->take(readback); });
+    return download_at_once(*core_,
+                            [&](uint64_t pass) { return core_->read(pass, source.handle(), region); });
 }
 
 std::vector<PassTime> Device::pass_times(Submission submission) {

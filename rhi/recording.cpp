@@ -72,7 +72,9 @@ void DeviceCore::end_pass(uint64_t id) {
         emitted.targets = &pass.targets;
         emitted.barriers = enter(pass, {.label = pass.name, .uses = pass.uses});
     }
-    if (!lost_) backend_->emit(emitted);
+    if (!lost_ && !idle_) {
+        if (auto done = backend_->emit(emitted); !done) refuse(open_serial_, within(pass.name, done.error()));
+    }
 
     records_[open_serial_].passes.push_back(pass.name);
     if (tracing_) keep_trace(pass.scopes, pass.barriers);
@@ -249,6 +251,7 @@ Verdict DeviceCore::stage(std::span<const std::byte> bytes, uint64_t alignment, 
 }
 
 Result<BufferSlice> DeviceCore::uniform(uint64_t serial, std::span<const std::byte> bytes) {
+    if (lost_) return tl::unexpected(*lost_);
     if (!recording(serial)) return fail(ErrorKind::invalid_argument, "uniform", "its commands are spent");
     BufferSlice slice;
     if (bytes.empty()) return drop("uniform", {Check::empty_work, "no bytes of uniform data"});
@@ -455,14 +458,14 @@ Result<void> DeviceCore::wait_for(uint64_t serial, const NativeSync& sync) {
     if (!recording(serial)) return fail(ErrorKind::invalid_argument, "wait", "its commands are spent");
     if (pass_ || !records_[serial].passes.empty())
         return drop("wait", {Check::sync_order, "the submission has passes already"});
-    auto told = lost_ ? Result<void>{} : backend_->wait_for(sync);
+    auto told = lost_ || idle_ ? Result<void>{} : backend_->wait_for(sync);
     if (!told) return drop("wait", {Check::none, to_string(told.error()), told.error().kind});
     return told;
 }
 
 Result<void> DeviceCore::signal(uint64_t serial, const NativeSync& sync) {
     if (!recording(serial)) return fail(ErrorKind::invalid_argument, "signal", "its commands are spent");
-    auto told = lost_ ? Result<void>{} : backend_->signal(sync);
+    auto told = lost_ || idle_ ? Result<void>{} : backend_->signal(sync);
     if (!told) return drop("signal", {Check::none, to_string(told.error()), told.error().kind});
     return told;
 }

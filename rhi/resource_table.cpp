@@ -8,11 +8,25 @@
 namespace lumo::rhi {
 namespace {
 
+/// `asked`: for what; put in front of the backend's reason.
 template <class HandleType, class Record>
-tl::unexpected<Error> undo(Slots<HandleType, Record>& slots, HandleType handle, Error error) {
+tl::unexpected<Error> undo(Slots<HandleType, Record>& slots, HandleType handle, Error error,
+                           const std::string& asked) {
     slots.retire(handle);
     slots.recycle(handle);
+    error.message = fmt::format("{}: {}", asked, error.message);
     return tl::unexpected(std::move(error));
+}
+
+std::string words(const BufferDesc& desc) {
+    constexpr std::string_view kinds[] = {"device", "upload", "readback"};
+    return fmt::format("{} bytes of {} memory", desc.size, kinds[size_t(desc.memory)]);
+}
+
+std::string words(const TextureDesc& desc) {
+    return fmt::format("{}x{}x{} texels of {}, {} layers, {} mips, {} samples", desc.extent.width,
+                       desc.extent.height, desc.extent.depth, format_info(desc.format).name, desc.layers,
+                       desc.mips, desc.samples);
 }
 
 }  // namespace
@@ -20,7 +34,7 @@ tl::unexpected<Error> undo(Slots<HandleType, Record>& slots, HandleType handle, 
 Result<BufferHandle> ResourceTable::create(const BufferDesc& desc, bool internal) {
     const BufferHandle handle = buffers_.add(next_generation(), {.desc = desc, .internal = internal});
     auto made = backend_.create_buffer(handle, desc);
-    if (!made) return undo(buffers_, handle, std::move(made.error()));
+    if (!made) return undo(buffers_, handle, std::move(made.error()), words(desc));
     BufferRecord& record = *buffers_.find(handle);
     record.mapped = made->mapped;
     record.bytes = made->allocated_bytes;
@@ -30,7 +44,7 @@ Result<BufferHandle> ResourceTable::create(const BufferDesc& desc, bool internal
 Result<TextureHandle> ResourceTable::create(const TextureDesc& desc) {
     const TextureHandle handle = textures_.add(next_generation(), {.desc = desc});
     auto bytes = backend_.create_texture(handle, desc);
-    if (!bytes) return undo(textures_, handle, std::move(bytes.error()));
+    if (!bytes) return undo(textures_, handle, std::move(bytes.error()), words(desc));
     textures_.find(handle)->bytes = *bytes;
     return handle;
 }
@@ -38,14 +52,14 @@ Result<TextureHandle> ResourceTable::create(const TextureDesc& desc) {
 Result<TextureHandle> ResourceTable::adopt(const TextureDesc& desc, const NativeTexture& native) {
     const TextureHandle handle = textures_.add(next_generation(), {.desc = desc, .adopted = true});
     auto made = backend_.adopt_texture(handle, desc, native);
-    if (!made) return undo(textures_, handle, std::move(made.error()));
+    if (!made) return undo(textures_, handle, std::move(made.error()), words(desc));
     return handle;
 }
 
 Result<SamplerHandle> ResourceTable::create(const SamplerDesc& desc) {
     const SamplerHandle handle = samplers_.add(next_generation(), {.desc = desc});
     auto made = backend_.create_sampler(handle, desc);
-    if (!made) return undo(samplers_, handle, std::move(made.error()));
+    if (!made) return undo(samplers_, handle, std::move(made.error()), "a sampler");
     return handle;
 }
 
@@ -54,7 +68,7 @@ Result<PipelineHandle> ResourceTable::create(const ProgramInfo& program, std::sp
     PipelineRecord record{&program, raster ? std::optional(*raster) : std::nullopt};
     const PipelineHandle handle = pipelines_.add(next_generation(), std::move(record));
     auto made = backend_.create_pipeline(handle, program, options, raster);
-    if (!made) return undo(pipelines_, handle, std::move(made.error()));
+    if (!made) return undo(pipelines_, handle, std::move(made.error()), "a pipeline");
     return handle;
 }
 

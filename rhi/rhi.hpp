@@ -16,8 +16,10 @@
 // Coordinates: row 0 of memory is NDC y = -1, depth is [0, 1], front faces are counter-clockwise, on both
 // APIs. Only presenting and writing image files flip.
 //
-// Errors: what the environment causes is a Result. Misuse is a Check sent to the device's message sink, and
-// the command is dropped. Calls on a device, and on what it made, come from one thread at a time; devices
+// Errors: what the environment causes is a Result; what it refuses to a command that returns none reaches the
+// message sink, and whoever waits for the submission or takes its bytes. Out of memory leaves a device that goes
+// on; a lost device is reported once, then every call says so. Misuse is a Check sent to the sink, and the
+// command is dropped. Calls on a device, and on what it made, come from one thread at a time; devices
 // share nothing.
 #pragma once
 
@@ -236,7 +238,8 @@ class Device {
     /// Starts recording; waits while max_in_flight submissions are unfinished.
     Commands begin();
     Submission submit(Commands&& commands);
-    /// Waits for a submission. Errors: device_lost.
+    /// Waits for a submission. Errors: device_lost; out_of_memory where the environment refused it a command, or
+    /// all of it, known until 16 later ones were begun.
     Result<void> wait(Submission submission);
     bool finished(Submission submission);
     /// Waits for the bytes of a readback and hands them over, once.

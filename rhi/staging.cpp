@@ -83,7 +83,7 @@ Result<Readback> ReadbackPool::open(uint64_t size, uint64_t serial) {
         if (!made) return tl::unexpected(made.error());
         buffer = *made;
     }
-    tickets_[++last_id_] = {{buffer, 0, size}, serial};
+    tickets_[++last_id_] = {.slice = {buffer, 0, size}, .serial = serial};
     return Readback{last_id_};
 }
 
@@ -92,11 +92,20 @@ const ReadbackPool::Ticket* ReadbackPool::find(Readback readback) const {
     return found == tickets_.end() ? nullptr : &found->second;
 }
 
-std::vector<std::byte> ReadbackPool::take(Readback readback) {
+void ReadbackPool::fail(uint64_t serial, const Error& error) {
+    for (auto& [id, ticket] : tickets_)
+        if (ticket.serial == serial) ticket.failure = error;
+}
+
+Result<std::vector<std::byte>> ReadbackPool::take(Readback readback) {
     const auto node = tickets_.extract(readback.id);
-    const auto& [slice, serial] = node.mapped();
+    const auto& [slice, serial, failure] = node.mapped();
     const std::byte* mapped = resources_.find(slice.buffer)->mapped;
-    std::vector<std::byte> bytes(mapped, mapped + slice.size);
+    Result<std::vector<std::byte>> bytes;
+    if (failure)
+        bytes = tl::unexpected(*failure);
+    else
+        bytes->assign(mapped, mapped + slice.size);
 
     idle_.push_back(slice.buffer);
     uint64_t kept = 0;

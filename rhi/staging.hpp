@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,14 +46,17 @@ class ReadbackPool {
     struct Ticket {
         BufferSlice slice;
         uint64_t serial = 0;
+        std::optional<Error> failure = {};  ///< of the submission: the bytes may not be there
     };
 
     /// Memory for `size` bytes that submission `serial` writes. Errors: out_of_memory.
     Result<Readback> open(uint64_t size, uint64_t serial);
     /// Null when there is no such ticket.
     const Ticket* find(Readback readback) const;
-    /// The bytes of a ticket whose submission is done; the ticket is gone then.
-    std::vector<std::byte> take(Readback readback);
+    /// The bytes of a ticket whose submission is done, or its failure; the ticket is gone then.
+    Result<std::vector<std::byte>> take(Readback readback);
+    /// Marks the tickets of a submission.
+    void fail(uint64_t serial, const Error& error);
 
   private:
     static constexpr uint64_t kept_bytes = uint64_t{64} << 20;  ///< of idle buffers

@@ -38,24 +38,39 @@ Result<std::unique_ptr<Executor>> Executor::create(const Gpu& gpu, Store& store)
     return made;
 }
 
-Executor::~Executor() { vk_.vkDeviceWaitIdle(gpu_.device()); }
+/// A host's other queues are not lumo's to wait for.
+Executor::~Executor() {
+    if (gpu_.is_adopted()) {
+        (void)wait(submitted_);
+    } else {
+        vk_.vkDeviceWaitIdle(gpu_.device());
+    }
+}
 
-/// A lost device stays lost: it is told to the sink once, and every later call fails.
+/// A lost device stays lost, and nothing runs on it once that is known.
 Result<void> Executor::check(VkResult result, std::string_view call) {
     if (lost_) return fail(VK_ERROR_DEVICE_LOST, gpu_.info().name, call);
     if (result == VK_SUCCESS) return {};
-    auto error = fail(result, gpu_.info().name, call);
     if (result == VK_ERROR_DEVICE_LOST) {
         lost_ = true;
-        gpu_.instance().report(
-            {.severity = rhi::Severity::error, .id = "device-lost", .text = to_string(error.value())});
+        vk_.vkQueueWaitIdle(gpu_.queue());
     }
-    return error;
+    return fail(result, gpu_.info().name, call);
+}
+
+/// Submission `serial` will not run: the timeline goes past it once those before it are done.
+Result<void> Executor::skip(uint64_t serial, Error why) {
+    if (lost_) return tl::unexpected(std::move(why));
+    VkSemaphoreSignalInfo info{
+        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO, .semaphore = timeline_.get(), .value = serial};
+    // A serial that will never be reached is as good as a lost device.
+    if (!wait(serial - 1) || vk_.vkSignalSemaphore(gpu_.device(), &info) != VK_SUCCESS)
+        return check(VK_ERROR_DEVICE_LOST, "vkSignalSemaphore");
+    submitted_ = serial;
+    return tl::unexpected(std::move(why));
 }
 
 Result<void> Executor::begin(uint64_t serial) {
-    last_serial_ = serial;
-    recorded_ = {};
     waits_.clear();
     signals_.clear();
     Frame& frame = frames_[serial % frames_.size()];
@@ -64,29 +79,24 @@ Result<void> Executor::begin(uint64_t serial) {
         read_stamps(frame);
     }
     std::erase_if(stamps_, [&](const auto& entry) { return entry.first + stamps_kept < serial; });
-    frame.serial = serial;
     frame.passes = 0;
     frame.sets.reset(gpu_);
-    if (auto reset = check(vk_.vkResetCommandPool(gpu_.device(), frame.pool.get(), 0), "vkResetCommandPool");
-        !reset) {
-        return reset;
-    }
     VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                   .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
-    auto begun = check(vk_.vkBeginCommandBuffer(frame.commands, &info), "vkBeginCommandBuffer");
-    if (begun) open_ = &frame;
-    return begun;
+    auto begun =
+        check(vk_.vkResetCommandPool(gpu_.device(), frame.pool.get(), 0), "vkResetCommandPool").and_then([&] {
+            return check(vk_.vkBeginCommandBuffer(frame.commands, &info), "vkBeginCommandBuffer");
+        });
+    if (!begun) return skip(serial, begun.error());
+    frame.serial = serial;
+    open_ = &frame;
+    return {};
 }
 
-void Executor::emit(const rhi::EmittedPass& pass) {
-    if (!open_) return;
-    bool timed = gpu_.timestamp_bits() > 0;
-    if (timed) {
-        if (auto room = make_room_for_stamps(); !room) {
-            recorded_ = room;
-            return;
-        }
-    }
+Result<void> Executor::emit(const rhi::EmittedPass& pass) {
+    Result<void> room;
+    if (gpu_.timestamp_bits() > 0) room = make_room_for_stamps();
+    const bool timed = gpu_.timestamp_bits() > 0 && open_->queries[open_->passes / passes_per_pool];
     const auto& debug = gpu_.instance().vk();
     std::string name(pass.name);
     VkDebugUtilsLabelEXT label{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, .pLabelName = name.c_str()};
@@ -97,11 +107,12 @@ void Executor::emit(const rhi::EmittedPass& pass) {
     if (timed) stamp(0);
     // llvmpipe takes a stamp when it next flushes its draws: without this, after the pass's dispatches.
     if (serialised) order_everything();
-    if (auto done = recorder(*open_).record(pass); !done) recorded_ = done;
+    auto recorded = recorder(*open_).record(pass);
     if (serialised) order_everything();
     if (timed) stamp(1);
     if (debug.end_label) debug.end_label(open_->commands);
     ++open_->passes;
+    return recorded ? room : recorded;
 }
 
 Recorder Executor::recorder(Frame& frame) {
@@ -121,17 +132,18 @@ void Executor::order_everything() {
 
 Result<void> Executor::make_room_for_stamps() {
     uint32_t pool = open_->passes / passes_per_pool;
-    if (pool == open_->queries.size()) {
+    if (open_->passes % passes_per_pool != 0) return {};
+    // Passes without a pool are not timed.
+    if (pool == open_->queries.size()) open_->queries.emplace_back();
+    if (!open_->queries[pool]) {
         VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                    .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                    .queryCount = passes_per_pool * 2};
         auto made = gpu_.make<VkQueryPool>(vk_.vkCreateQueryPool, vk_.vkDestroyQueryPool, info, "pass times");
         if (!made) return tl::unexpected(made.error());
-        open_->queries.push_back(std::move(*made));
+        open_->queries[pool] = std::move(*made);
     }
-    if (open_->passes % passes_per_pool == 0) {
-        vk_.vkResetQueryPool(gpu_.device(), open_->queries[pool].get(), 0, passes_per_pool * 2);
-    }
+    vk_.vkResetQueryPool(gpu_.device(), open_->queries[pool].get(), 0, passes_per_pool * 2);
     return {};
 }
 
@@ -156,7 +168,6 @@ Result<void> Executor::add(std::vector<VkSemaphoreSubmitInfo>& semaphores, const
 }
 
 Result<void> Executor::submit(std::span<const rhi::Barrier> hand_back) {
-    if (!open_) return check(VK_ERROR_DEVICE_LOST, "submit");
     Frame& frame = *std::exchange(open_, nullptr);
     if (!hand_back.empty()) {
         const rhi::EmittedPass barriers_alone{.barriers = {hand_back.begin(), hand_back.end()}};
@@ -190,18 +201,22 @@ Result<void> Executor::submit(std::span<const rhi::Barrier> hand_back) {
                        .pSignalSemaphoreInfos = signals_.data()};
     if (result != VK_SUCCESS) frame.passes = 0;
     // Submitted even when recording failed, because its serial is waited for.
-    VkResult submitted = vk_.vkQueueSubmit2(gpu_.queue(), 1, &info, VK_NULL_HANDLE);
-    // A serial that will never be reached is as good as a lost device.
-    if (submitted != VK_SUCCESS) return check(VK_ERROR_DEVICE_LOST, "vkQueueSubmit2");
-    swapchain_.present(result == VK_SUCCESS);
-    if (result != VK_SUCCESS) return check(result, "vkEndCommandBuffer");
-    return recorded_;
+    if (auto taken = check(vk_.vkQueueSubmit2(gpu_.queue(), 1, &info, VK_NULL_HANDLE), "vkQueueSubmit2");
+        !taken) {
+        swapchain_.drop();
+        return skip(std::exchange(frame.serial, 0), taken.error());
+    }
+    submitted_ = frame.serial;
+    const VkResult presented = swapchain_.present(result == VK_SUCCESS);
+    if (presented == VK_ERROR_DEVICE_LOST) return check(presented, "vkQueuePresentKHR");
+    return check(result, "vkEndCommandBuffer");
 }
 
 uint64_t Executor::completed() {
     uint64_t serial = 0;
     VkResult result = vk_.vkGetSemaphoreCounterValue(gpu_.device(), timeline_.get(), &serial);
-    return check(result, "vkGetSemaphoreCounterValue") ? serial : last_serial_;
+    if (check(result, "vkGetSemaphoreCounterValue")) completed_ = serial;
+    return lost_ ? UINT64_MAX : completed_;
 }
 
 Result<void> Executor::wait(uint64_t serial) {
@@ -211,7 +226,10 @@ Result<void> Executor::wait(uint64_t serial) {
                              .pSemaphores = &semaphore,
                              .pValues = &serial};
     if (lost_) return check(VK_ERROR_DEVICE_LOST, "vkWaitSemaphores");
-    return check(vk_.vkWaitSemaphores(gpu_.device(), &info, UINT64_MAX), "vkWaitSemaphores");
+    VkResult result = vk_.vkWaitSemaphores(gpu_.device(), &info, UINT64_MAX);
+    // Where there is no memory to wait for one submission, all are waited for.
+    if (result != VK_SUCCESS && result != VK_ERROR_DEVICE_LOST) result = vk_.vkQueueWaitIdle(gpu_.queue());
+    return check(result, "vkWaitSemaphores");
 }
 
 void Executor::read_stamps(Frame& frame) {
@@ -223,6 +241,7 @@ void Executor::read_stamps(Frame& frame) {
     uint64_t mask = bits >= 64 ? UINT64_MAX : (uint64_t(1) << bits) - 1;
     double period = gpu_.properties().limits.timestampPeriod;
     for (uint32_t first = 0; first < frame.passes; first += passes_per_pool) {
+        if (!frame.queries[first / passes_per_pool]) continue;
         uint32_t passes = std::min(frame.passes - first, passes_per_pool);
         std::array<uint64_t, passes_per_pool * 2> ticks{};
         vk_.vkGetQueryPoolResults(gpu_.device(), frame.queries[first / passes_per_pool].get(), 0, passes * 2,

@@ -19,7 +19,7 @@ class Executor {
     Executor& operator=(const Executor&) = delete;
 
     Result<void> begin(uint64_t serial);
-    void emit(const rhi::EmittedPass& pass);
+    Result<void> emit(const rhi::EmittedPass& pass);
     Result<void> submit(std::span<const rhi::Barrier> hand_back);
     /// Of the open submission; semaphores of a host.
     Result<void> wait_for(const rhi::NativeSync& sync);
@@ -34,7 +34,8 @@ class Executor {
         Unique<VkCommandPool> pool;
         VkCommandBuffer commands = VK_NULL_HANDLE;
         DescriptorSets sets;
-        std::vector<Unique<VkQueryPool>> queries;  ///< of passes_per_pool passes each
+        std::vector<Unique<VkQueryPool>>
+            queries;  ///< of passes_per_pool passes each; empty ones could not be made
         uint32_t passes = 0;
         uint64_t serial = 0;  ///< 0: not used since its stamps were read
     };
@@ -42,6 +43,7 @@ class Executor {
     Executor(const Gpu& gpu, Store& store) : gpu_(gpu), vk_(gpu.vk()), store_(store), swapchain_(gpu) {}
     Result<void> check(VkResult result, std::string_view call);
     Result<void> make_room_for_stamps();
+    Result<void> skip(uint64_t serial, Error error);
     Result<void> add(std::vector<VkSemaphoreSubmitInfo>& semaphores, const rhi::NativeSync& sync);
     Recorder recorder(Frame& frame);
     void stamp(uint32_t which);
@@ -57,9 +59,9 @@ class Executor {
     Frame* open_ = nullptr;
     std::vector<VkSemaphoreSubmitInfo> waits_;    ///< of the open submission, for the host's
     std::vector<VkSemaphoreSubmitInfo> signals_;  ///< likewise
-    Result<void> recorded_;                       ///< what went wrong since begin
     bool lost_ = false;
-    uint64_t last_serial_ = 0;
+    uint64_t completed_ = 0;  ///< as last seen
+    uint64_t submitted_ = 0;  ///< the last that the queue took
     std::map<uint64_t, std::vector<rhi::PassStamp>> stamps_;
 };
 

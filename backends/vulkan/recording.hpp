@@ -51,8 +51,8 @@ class Recorder {
           sets_(sets),
           commands_(commands) {}
 
-    /// Error: out_of_memory, for views and descriptor sets that could not be made; the commands that need
-    /// them are left out.
+    /// Errors: out_of_memory, for views and descriptor sets that could not be made; those of the swapchain. The
+    /// commands that need them are left out.
     Result<void> record(const rhi::EmittedPass& pass);
 
     void operator()(const rhi::DispatchCommand& command);
@@ -69,7 +69,8 @@ class Recorder {
     void operator()(const rhi::ClearTextureCommand& command);
     void operator()(const rhi::BlitMipCommand& command);
     void operator()(const rhi::PresentCommand& command) {
-        swapchain_.record(commands_, store_[command.texture], command.vsync, slot_);
+        auto shown = swapchain_.record(commands_, store_[command.texture], command.vsync, slot_);
+        if (!shown) result_ = shown;
     }
 
   private:

@@ -93,6 +93,7 @@ Result<void> Swapchain::make(const Shape& shape) {
     };
     auto made =
         gpu_.make<VkSwapchainKHR>(vk_.vkCreateSwapchainKHR, vk_.vkDestroySwapchainKHR, info, "window");
+    swapchain_ = {};  // retired, even where no other could be made
     if (!made) return tl::unexpected(made.error());
     swapchain_ = std::move(*made);
 
@@ -121,9 +122,9 @@ Result<bool> Swapchain::acquire(const Shape& shape, size_t slot) {
             if (auto made = make(shape); !made) return tl::unexpected(made.error());
             if (!swapchain_) return false;
         }
-        Acquired taken{0, free_[slot].get()};
+        Acquired taken{0, slot};
         const VkResult result = vk_.vkAcquireNextImageKHR(gpu_.device(), swapchain_.get(), patience_ns,
-                                                          taken.free, VK_NULL_HANDLE, &taken.image);
+                                                          free_[slot].get(), VK_NULL_HANDLE, &taken.image);
         stale_ = result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR;
         if (result == VK_SUCCESS || result == VK_SUBOPTIMAL_KHR) {
             acquired_ = taken;
@@ -135,13 +136,16 @@ Result<bool> Swapchain::acquire(const Shape& shape, size_t slot) {
     return false;
 }
 
-void Swapchain::record(VkCommandBuffer commands, const Texture& texture, bool vsync, size_t slot) {
+Result<void> Swapchain::record(VkCommandBuffer commands, const Texture& texture, bool vsync, size_t slot) {
     const rhi::Format format = texture.desc().format;
     const Shape shape{gpu_.window_size(), rhi::format_info(format).kind == rhi::FormatKind::srgb, vsync};
-    if (failed_ || shape.window.width == 0 || shape.window.height == 0) return;
+    if (failed_ || shape.window.width == 0 || shape.window.height == 0) return {};
     auto ready = acquire(shape, slot);
-    if (!ready) give_up(ready.error());
-    if (!ready || !*ready) return;
+    if (!ready) {
+        note(ready.error());
+        return tl::unexpected(ready.error());
+    }
+    if (!*ready) return {};
 
     VkImageMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
                                   .srcStageMask = blit_stage,
@@ -176,20 +180,28 @@ void Swapchain::record(VkCommandBuffer commands, const Texture& texture, bool vs
     barrier.dstStageMask = VK_PIPELINE_STAGE_2_NONE;
     barrier.oldLayout = std::exchange(barrier.newLayout, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
     vk_.vkCmdPipelineBarrier2(commands, &dependency);
+    return {};
 }
 
 std::optional<Swapchain::Semaphores> Swapchain::semaphores() const {
     if (!acquired_) return {};
     return Semaphores{
-        submit_info(acquired_->free, blit_stage),
+        submit_info(free_[acquired_->slot].get(), blit_stage),
         submit_info(images_[acquired_->image].drawn.get(), VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT)};
 }
 
-void Swapchain::present(bool ran) {
+void Swapchain::drop() {
     if (!acquired_) return;
+    // The image is given back with its swapchain; a semaphore that will be signalled cannot be used again.
+    stale_ = true;
+    free_[std::exchange(acquired_, {})->slot] = {};
+}
+
+VkResult Swapchain::present(bool ran) {
+    if (!acquired_) return VK_SUCCESS;
     stale_ = stale_ || !ran;
     const uint32_t index = std::exchange(acquired_, {})->image;
-    if (!ran) return;
+    if (!ran) return VK_SUCCESS;
     const VkSemaphore drawn = images_[index].drawn.get();
     const VkSwapchainKHR swapchain = swapchain_.get();
     VkPresentInfoKHR info{.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
@@ -199,15 +211,19 @@ void Swapchain::present(bool ran) {
                           .pSwapchains = &swapchain,
                           .pImageIndices = &index};
     const VkResult result = vk_.vkQueuePresentKHR(gpu_.queue(), &info);
-    if (result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR)
+    if (result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR) {
         stale_ = true;
-    else if (result != VK_SUCCESS)
-        give_up(fail(result, "window", "vkQueuePresentKHR").value());
+    } else if (result != VK_SUCCESS && result != VK_ERROR_DEVICE_LOST) {
+        const Error error = fail(result, "window", "vkQueuePresentKHR").value();
+        note(error);
+        gpu_.instance().report({.severity = rhi::Severity::error, .id = "present", .text = to_string(error)});
+    }
+    return result == VK_ERROR_DEVICE_LOST ? result : VK_SUCCESS;
 }
 
-void Swapchain::give_up(const Error& error) {
-    failed_ = true;
-    gpu_.instance().report({.severity = rhi::Severity::error, .id = "present", .text = to_string(error)});
+void Swapchain::note(const Error& error) {
+    stale_ = true;
+    failed_ = error.kind != ErrorKind::out_of_memory;
 }
 
 }  // namespace lumo::backends::vulkan

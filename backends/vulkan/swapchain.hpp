@@ -12,14 +12,15 @@
 namespace lumo::backends::vulkan {
 
 /// Made when a picture is first presented, and anew whenever the window, the kind of picture or vsync changes.
-/// Failures go to the sink, once; nothing is shown from then on, while the device goes on.
+/// Where memory runs out, the next picture is tried anew. After any other error nothing is shown any more, and
+/// nothing said, while the device goes on.
 class Swapchain {
   public:
     explicit Swapchain(const Gpu& gpu) : gpu_(gpu), vk_(gpu.vk()) {}
 
     /// Takes the window's next image and records a blit of the texture's mip 0 into it, the right way up.
     /// Nothing while the window shows nothing. `slot`: of the submission in flight, below max_in_flight.
-    void record(VkCommandBuffer commands, const Texture& texture, bool vsync, size_t slot);
+    Result<void> record(VkCommandBuffer commands, const Texture& texture, bool vsync, size_t slot);
     /// What the submission of those commands waits for and signals; none where nothing was recorded.
     struct Semaphores {
         VkSemaphoreSubmitInfo free;
@@ -27,8 +28,10 @@ class Swapchain {
     };
     std::optional<Semaphores> semaphores() const;
     /// Shows the image after that submission, or lets go of it where its commands did not run. Where nothing
-    /// was recorded, nothing.
-    void present(bool ran);
+    /// was recorded, nothing. What it returns is an error only for a lost device.
+    VkResult present(bool ran);
+    /// That submission never was: its semaphores were neither waited for nor signalled.
+    void drop();
 
   private:
     struct Image {
@@ -46,7 +49,7 @@ class Swapchain {
     Result<void> make(const Shape& shape);
     /// False: the window cannot be drawn into now.
     Result<bool> acquire(const Shape& shape, size_t slot);
-    void give_up(const Error& error);
+    void note(const Error& error);
 
     const Gpu& gpu_;
     const VolkDeviceTable& vk_;
@@ -55,11 +58,11 @@ class Swapchain {
     std::array<Unique<VkSemaphore>, rhi::max_in_flight> free_;
     Shape shape_;
     VkExtent2D extent_{};
-    bool stale_ = true;  ///< to be made anew
-    bool failed_ = false;
+    bool stale_ = true;    ///< to be made anew
+    bool failed_ = false;  ///< for good
     struct Acquired {
         uint32_t image;
-        VkSemaphore free;
+        size_t slot;
     };
     std::optional<Acquired> acquired_;
 };

@@ -123,7 +123,7 @@ class FakeBackend : public Backend {
         if (serial > max_in_flight) state_.completed = std::max(state_.completed, serial - max_in_flight);
         return {};
     }
-    void emit(const EmittedPass& pass) override {
+    Result<void> emit(const EmittedPass& pass) override {
         Emitted& copy = state_.passes.emplace_back();
         copy.name = pass.name;
         copy.raster = pass.targets != nullptr;
@@ -137,6 +137,8 @@ class FakeBackend : public Backend {
         const uint64_t serial = state_.begun.back();
         const uint64_t start = 1000 * state_.stamps[serial].size();
         state_.stamps[serial].push_back({start, start + 500'000 * (1 + pass.steps.size())});
+        if (auto error = failure("emit")) return tl::unexpected(*error);
+        return {};
     }
     Result<void> wait_for(const NativeSync& sync) override {
         if (auto error = failure("wait_for")) return tl::unexpected(*error);
