@@ -1,0 +1,2 @@
+#define FORMAT rgba8
+#include "voxels/octree_mip.glsl"

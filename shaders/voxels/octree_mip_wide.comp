@@ -1,0 +1,2 @@
+#define FORMAT rgba16f
+#include "voxels/octree_mip.glsl"
