@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "backends/gl/adopt.hpp"
 #include "backends/gl/context.hpp"
 #include "backends/gl/formats.hpp"
 #include "backends/gl/gl.hpp"
@@ -107,72 +108,84 @@ class GlBackend final : public rhi::Backend {
   public:
     GlBackend(std::unique_ptr<Context> context, PushRing ring, bool disk_cache)
         : context_(std::move(context)),
+          state_(context_->is_hosts()),
           ring_(std::move(ring)),
           timeline_(context_->info().timing),
           cache_(disk_cache ? rhi::DiskCache::of_user() : rhi::DiskCache({})) {
         glCreateVertexArrays(1, &vertex_array_);
-        glBindVertexArray(vertex_array_);
         for (int i = 0; i < rhi::format_count; ++i) caps_[size_t(i)] = query_caps(rhi::Format(i));
     }
+
+    ~GlBackend() override;
+    GlBackend(const GlBackend&) = delete;
+    GlBackend& operator=(const GlBackend&) = delete;
 
     const rhi::DeviceInfo& info() const override { return context_->info(); }
     rhi::FormatCaps format_caps(rhi::Format format) const override { return caps_[size_t(format)]; }
 
     Result<rhi::CreatedBuffer> create_buffer(rhi::BufferHandle handle, const rhi::BufferDesc& desc) override {
-        return current().resources_.create(handle, desc);
+        return enter().and_then([&] { return resources_.create(handle, desc); });
     }
     Result<uint64_t> create_texture(rhi::TextureHandle handle, const rhi::TextureDesc& desc) override {
-        return current().resources_.create(handle, desc);
+        return enter().and_then([&] { return resources_.create(handle, desc); });
     }
-    Result<void> adopt_texture(rhi::TextureHandle, const rhi::TextureDesc& desc,
-                               const rhi::NativeTexture&) override {
-        return not_adopted(desc.name);
+    Result<void> adopt_texture(rhi::TextureHandle handle, const rhi::TextureDesc& desc,
+                               const rhi::NativeTexture& native) override {
+        if (!context_->is_hosts()) return not_adopted(desc.name);
+        return enter().and_then([&] { return resources_.adopt(handle, desc, native); });
     }
     Result<void> create_sampler(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) override {
-        return current().resources_.create(handle, desc);
+        return enter().and_then([&] { return resources_.create(handle, desc); });
     }
     Result<void> create_pipeline(rhi::PipelineHandle handle, const rhi::ProgramInfo& program,
                                  std::span<const uint32_t> options, const rhi::RasterState* raster) override;
 
-    void destroy(rhi::BufferHandle handle) override { current().unbound().resources_.destroy(handle); }
-    void destroy(rhi::TextureHandle handle) override { current().unbound().resources_.destroy(handle); }
-    void destroy(rhi::SamplerHandle handle) override { current().unbound().resources_.destroy(handle); }
+    void destroy(rhi::BufferHandle handle) override {
+        if (enter_to_destroy()) resources_.destroy(handle);
+    }
+    void destroy(rhi::TextureHandle handle) override {
+        if (enter_to_destroy()) resources_.destroy(handle);
+    }
+    void destroy(rhi::SamplerHandle handle) override {
+        if (enter_to_destroy()) resources_.destroy(handle);
+    }
     void destroy(rhi::PipelineHandle handle) override {
-        glDeleteProgram(std::exchange(current().unbound().pipelines_[handle.index], {}).program);
+        if (enter_to_destroy()) glDeleteProgram(std::exchange(pipelines_[handle.index], {}).program);
     }
 
-    Result<void> begin(uint64_t serial) override { return current().timeline_.begin(serial); }
-    void emit(const rhi::EmittedPass& pass) override;
-    Result<void> wait_for(const rhi::NativeSync&) override { return not_adopted("wait"); }
-    Result<void> signal(const rhi::NativeSync&) override { return not_adopted("signal"); }
-    Result<void> submit(std::span<const rhi::Barrier>) override {
-        return current()
-            .timeline_.submit()
-            .and_then([] { return check_errors("submission"); })
-            .and_then([this]() -> Result<void> {
-                const auto vsync = std::exchange(presenting_, {});
-                return vsync ? context_->swap(*vsync) : Result<void>{};
-            });
+    Result<void> begin(uint64_t serial) override;
+    Result<void> wait_for(const rhi::NativeSync& sync) override;
+    Result<void> signal(const rhi::NativeSync&) override {
+        return fail(ErrorKind::unsupported, "signal", "OpenGL makes a fence by the call that signals it",
+                    "call glFenceSync after Device::submit");
     }
-    uint64_t completed() override { return current().timeline_.completed(); }
-    Result<void> wait(uint64_t serial) override { return current().timeline_.wait(serial); }
-    std::vector<rhi::PassStamp> stamps(uint64_t serial) override {
-        return current().timeline_.stamps(serial);
+    Result<void> emit(const rhi::EmittedPass& pass) override;
+    Result<void> submit(std::span<const rhi::Barrier> hand_back) override;
+    uint64_t completed() override { return enter() ? timeline_.completed() : 0; }
+    Result<void> wait(uint64_t serial) override {
+        return enter().and_then([&] { return timeline_.wait(serial); });
     }
+    std::vector<rhi::PassStamp> stamps(uint64_t serial) override;
     rhi::MemoryBudget memory_budget() override;
 
   private:
-    /// With its context current, as every call of OpenGL needs.
-    GlBackend& current() {
-        context_->make_current();
-        return *this;
+    /// To be called before any of OpenGL.
+    Result<void> enter() {
+        auto entered = context_->enter();
+        if (entered && !timeline_.recording()) context_->drop_hosts_errors();
+        return entered;
     }
-    /// OpenGL gives names of deleted objects to new ones, so what is bound by name is not known after a
-    /// deletion.
-    GlBackend& unbound() {
-        state_.forget();
+    /// False where the host's context is not current: the object is left to the context's end.
+    bool enter_to_destroy() {
+        state_.forget_objects();
         indices_ = 0;
-        return *this;
+        return enter().has_value();
+    }
+    /// Between submissions a host's context is as the host wants it.
+    void end_turn() {
+        if (!context_->is_hosts()) return;
+        state_.give_back();
+        context_->stop_listening();
     }
 
     void begin_targets(const rhi::RasterTargets& targets);
@@ -210,9 +223,53 @@ class GlBackend final : public rhi::Backend {
     std::optional<bool> presenting_;  ///< with vsync or without; none: the submission shows nothing
 };
 
+GlBackend::~GlBackend() {
+    // The end of an own context ends what it holds.
+    if (!context_->is_hosts() || !enter()) return;
+    resources_.clear();
+    ring_.clear();
+    timeline_.clear();
+    glDeleteVertexArrays(1, &vertex_array_);
+}
+
+Result<void> GlBackend::begin(uint64_t serial) {
+    if (auto entered = enter(); !entered) return entered;
+    if (auto begun = timeline_.begin(serial); !begun || !context_->is_hosts()) return begun;
+    context_->listen();
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);  // what the host's shaders stored
+    return {};
+}
+
+Result<void> GlBackend::wait_for(const rhi::NativeSync& sync) {
+    if (!context_->is_hosts()) return not_adopted("wait");
+    GLsync fence = reinterpret_cast<GLsync>(sync.object);
+    if (!glIsSync(fence)) return fail(ErrorKind::invalid_argument, "wait", "it is not the name of a GLsync");
+    glWaitSync(fence, 0, GL_TIMEOUT_IGNORED);
+    return {};
+}
+
+Result<void> GlBackend::submit(std::span<const rhi::Barrier> hand_back) {
+    if (auto entered = enter(); !entered) return entered;
+    // What lumo's shaders stored, for whatever the host does with it.
+    if (!hand_back.empty()) glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    end_turn();
+    return timeline_.submit().and_then([this]() -> Result<void> {
+        const auto vsync = std::exchange(presenting_, {});
+        return vsync ? context_->swap(*vsync) : Result<void>{};
+    });
+}
+
+std::vector<rhi::PassStamp> GlBackend::stamps(uint64_t serial) {
+    if (!enter()) return {};
+    state_.no_query_buffer();
+    std::vector<rhi::PassStamp> stamps = timeline_.stamps(serial);
+    if (!timeline_.recording()) end_turn();
+    return stamps;
+}
+
 Result<void> GlBackend::create_pipeline(rhi::PipelineHandle handle, const rhi::ProgramInfo& program,
                                         std::span<const uint32_t> options, const rhi::RasterState* raster) {
-    context_->make_current();
+    if (auto entered = enter(); !entered) return entered;
     auto made = make_program(program, options, info(), cache_);
     if (!made) return tl::unexpected(made.error());
     label(GL_PROGRAM, *made, program.name);
@@ -225,8 +282,8 @@ Result<void> GlBackend::create_pipeline(rhi::PipelineHandle handle, const rhi::P
     return {};
 }
 
-void GlBackend::emit(const rhi::EmittedPass& pass) {
-    context_->make_current();
+Result<void> GlBackend::emit(const rhi::EmittedPass& pass) {
+    if (auto entered = enter(); !entered) return entered;
     glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, GLsizei(pass.name.size()), pass.name.data());
     timeline_.begin_pass();
     put_barriers(pass.barriers);
@@ -238,6 +295,7 @@ void GlBackend::emit(const rhi::EmittedPass& pass) {
     if (pass.targets) end_targets(*pass.targets);
     timeline_.end_pass();
     glPopDebugGroup();
+    return check_errors(pass.name);
 }
 
 void GlBackend::put_barriers(std::span<const rhi::Barrier> barriers) {
@@ -310,11 +368,14 @@ const Pipeline& GlBackend::bind(const rhi::PipelineBindings& what) {
         };
         switch (value.kind) {
             case rhi::BindingKind::sampled:
-                state_.texture(slot, resources_.view(value.view), resources_.sampler(value.sampler));
+                state_.texture(slot, value.view.dimension, resources_.view(value.view),
+                               resources_.sampler(value.sampler));
                 break;
             case rhi::BindingKind::storage_image:
-                state_.image(slot, {resources_.view_of_all_mips(value.view), GLint(value.view.first_mip),
-                                    access, gl_format(value.view.format).internal});
+                state_.image(slot, {.texture = resources_.view_of_all_mips(value.view),
+                                    .mip = GLint(value.view.first_mip),
+                                    .access = access,
+                                    .format = gl_format(value.view.format).internal});
                 break;
             case rhi::BindingKind::storage_buffer:
                 state_.storage(slot, range());
@@ -330,6 +391,7 @@ const Pipeline& GlBackend::bind(const rhi::PipelineBindings& what) {
 
 const Pipeline& GlBackend::bind_for_draw(const rhi::PipelineBindings& what) {
     const Pipeline& pipeline = bind(what);
+    state_.vertex_array(vertex_array_);
     state_.raster(pipeline.raster);
     return pipeline;
 }
@@ -345,7 +407,7 @@ void GlBackend::run(const rhi::DispatchCommand& command) {
 
 void GlBackend::run(const rhi::DispatchIndirectCommand& command) {
     bind(command.what);
-    state_.buffer(GL_DISPATCH_INDIRECT_BUFFER, resources_.buffer(command.arguments.buffer));
+    state_.dispatch_indirect(resources_.buffer(command.arguments.buffer));
     glDispatchComputeIndirect(GLintptr(command.arguments.offset));
 }
 
@@ -368,7 +430,7 @@ void GlBackend::run(const rhi::DrawIndexedCommand& command) {
 void GlBackend::run(const rhi::DrawIndirectCommand& command) {
     const Pipeline& pipeline = bind_for_draw(command.what);
     const GLenum topology = gl_topology(pipeline.raster.topology);
-    state_.buffer(GL_DRAW_INDIRECT_BUFFER, resources_.buffer(command.arguments.buffer));
+    state_.draw_indirect(resources_.buffer(command.arguments.buffer));
     const void* arguments = as_pointer(command.arguments.offset);
     if (!command.indices.buffer) {
         glMultiDrawArraysIndirect(topology, arguments, GLsizei(command.draws), GLsizei(command.stride));
@@ -411,7 +473,7 @@ void GlBackend::run(const rhi::CopyBufferToTextureCommand& command) {
     const Box box = gl_box(texture.desc.dimension, command.region);
     const void* texels = as_pointer(command.source.offset);
     const auto bytes = GLsizei(command.source.size);
-    state_.buffer(GL_PIXEL_UNPACK_BUFFER, resources_.buffer(command.source.buffer));
+    state_.unpack(resources_.buffer(command.source.buffer));
 
     const bool compressed = format.transfer == GL_NONE;
     const bool flat = is_2d(texture.desc.dimension);
@@ -439,7 +501,7 @@ void GlBackend::run(const rhi::CopyTextureToBufferCommand& command) {
     const Box box = gl_box(texture.desc.dimension, command.region);
     void* texels = const_cast<void*>(as_pointer(command.destination.offset));
     const auto bytes = GLsizei(std::min<uint64_t>(command.destination.size, INT32_MAX));
-    state_.buffer(GL_PIXEL_PACK_BUFFER, resources_.buffer(command.destination.buffer));
+    state_.pack(resources_.buffer(command.destination.buffer));
     if (format.transfer == GL_NONE) {
         glGetCompressedTextureSubImage(texture.name, mip, box.x, box.y, box.z, box.width, box.height,
                                        box.depth, bytes, texels);
@@ -481,11 +543,13 @@ void GlBackend::run(const rhi::BlitMipCommand& command) {
     const auto mip = GLint(command.source_mip);
     if (desc.dimension == rhi::Dimension::d3) {
         // A blit knows no filter across slices.
-        glTextureParameteri(texture.name, GL_TEXTURE_BASE_LEVEL, mip);
-        glTextureParameteri(texture.name, GL_TEXTURE_MAX_LEVEL, mip + 1);
-        glGenerateTextureMipmap(texture.name);
-        glTextureParameteri(texture.name, GL_TEXTURE_BASE_LEVEL, 0);
-        glTextureParameteri(texture.name, GL_TEXTURE_MAX_LEVEL, GLint(desc.mips) - 1);
+        glGenerateTextureMipmap(resources_.view({.texture = command.texture,
+                                                 .dimension = desc.dimension,
+                                                 .format = desc.format,
+                                                 .first_mip = command.source_mip,
+                                                 .mips = 2,
+                                                 .first_layer = 0,
+                                                 .layers = 1}));
         return;
     }
     const rhi::Extent from = rhi::mip_extent(desc.extent, command.source_mip);
@@ -510,17 +574,15 @@ void GlBackend::run(const rhi::PresentCommand& command) {
     const Attachment picture{texture.name};
     const GLuint source = resources_.framebuffer({&picture, 1}, nullptr, {}, 1);
     state_.open_masks();
-    state_.framebuffer(0);  // bound, because Mesa notices a new size of the window's buffers only then
-    glDisable(GL_FRAMEBUFFER_SRGB);  // texels as they are stored, neither decoded nor encoded
+    state_.framebuffer(0);      // bound, because Mesa notices a new size of the window's buffers only then
+    state_.encode_srgb(false);  // texels as they are stored, neither decoded nor encoded
     glBlitNamedFramebuffer(source, 0, 0, 0, GLint(from.width), GLint(from.height), 0, 0, GLint(window.width),
                            GLint(window.height), GL_COLOR_BUFFER_BIT,
                            from == window ? GL_NEAREST : GL_LINEAR);
-    glEnable(GL_FRAMEBUFFER_SRGB);
 }
 
 rhi::MemoryBudget GlBackend::memory_budget() {
-    context_->make_current();
-    if (!epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) return {};
+    if (!enter() || !epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) return {};
     GLint total_kib = 0, free_kib = 0;
     glGetIntegerv(GL_GPU_MEMORY_INFO_TOTAL_AVAILABLE_MEMORY_NVX, &total_kib);
     glGetIntegerv(GL_GPU_MEMORY_INFO_CURRENT_AVAILABLE_VIDMEM_NVX, &free_kib);
@@ -529,13 +591,30 @@ rhi::MemoryBudget GlBackend::memory_budget() {
 
 }  // namespace
 
+namespace {
+
+Result<std::unique_ptr<rhi::Backend>> make_backend(std::unique_ptr<Context> context, bool disk_cache) {
+    return PushRing::create(context->info().limits.uniform_alignment)
+        .map([&](PushRing ring) -> std::unique_ptr<rhi::Backend> {
+            return std::make_unique<GlBackend>(std::move(context), std::move(ring), disk_cache);
+        });
+}
+
+}  // namespace
+
 Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc,
                                                      const std::shared_ptr<const Surface>& surface) {
-    auto context = Context::open(desc, surface);
-    if (!context) return tl::unexpected(context.error());
-    auto ring = PushRing::create((*context)->info().limits.uniform_alignment);
-    if (!ring) return tl::unexpected(ring.error());
-    return std::make_unique<GlBackend>(*std::move(context), *std::move(ring), desc.disk_cache);
+    return Context::open(desc, surface).and_then([&](std::unique_ptr<Context> context) {
+        return make_backend(std::move(context), desc.disk_cache);
+    });
+}
+
+Result<rhi::Device> adopt_current_context(const rhi::DeviceDesc& desc) {
+    return Context::adopt(desc)
+        .and_then([&](std::unique_ptr<Context> context) {
+            return make_backend(std::move(context), desc.disk_cache);
+        })
+        .map([&](std::unique_ptr<rhi::Backend> backend) { return rhi::Device(std::move(backend), desc); });
 }
 
 std::vector<rhi::DeviceInfo> list_devices() { return found_devices(); }

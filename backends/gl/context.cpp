@@ -6,14 +6,18 @@
 #include <array>
 #include <cctype>
 #include <cstdio>
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <string>
 #include <string_view>
+
+#include "backends/gl/state.hpp"
 
 namespace lumo::backends::gl {
 namespace {
 
 constexpr int needed_version = 45;
+constexpr std::array debug_capabilities{GLenum(GL_DEBUG_OUTPUT), GLenum(GL_DEBUG_OUTPUT_SYNCHRONOUS)};
 
 /// EGL and OpenGL list extensions as words between spaces.
 bool has_word(const char* list, std::string_view word) {
@@ -101,6 +105,19 @@ std::unique_ptr<Context> open_on(EGLDisplay display, bool debug,
     return nullptr;
 }
 
+/// glXGetCurrentContext where the process has GLX, and a context of GLX's is current; or EGL's.
+CurrentContext current_context() {
+    if (eglGetCurrentContext() != EGL_NO_CONTEXT) return eglGetCurrentContext;
+    for (const char* library : {"libGLX.so.0", "libGL.so.1"}) {
+        void* loaded = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);
+        if (!loaded) continue;
+        const auto glx = reinterpret_cast<CurrentContext>(dlsym(loaded, "glXGetCurrentContext"));
+        dlclose(loaded);  // it stays, as its host holds it
+        if (glx && glx()) return glx;
+    }
+    return nullptr;
+}
+
 std::string gl_string(GLenum name) {
     const auto* text = reinterpret_cast<const char*>(glGetString(name));
     return text ? text : "";
@@ -131,7 +148,8 @@ rhi::Limits query_limits() {
     limits.max_uniform_bytes = limit<uint64_t>(GL_MAX_UNIFORM_BLOCK_SIZE);
     limits.storage_alignment = limit(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
     limits.uniform_alignment = limit(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
-    limits.max_color_targets = std::min(limit(GL_MAX_COLOR_ATTACHMENTS), limit(GL_MAX_DRAW_BUFFERS));
+    limits.max_color_targets =
+        std::min({limit(GL_MAX_COLOR_ATTACHMENTS), limit(GL_MAX_DRAW_BUFFERS), max_color_targets});
     limits.max_samples = std::min(limit(GL_MAX_COLOR_TEXTURE_SAMPLES), limit(GL_MAX_DEPTH_TEXTURE_SAMPLES));
     if (epoxy_has_gl_extension("GL_EXT_texture_filter_anisotropic")) {
         glGetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY_EXT, &limits.max_anisotropy);
@@ -154,18 +172,6 @@ rhi::DeviceInfo query_info() {
     return info;
 }
 
-/// What no command of the backend changes again.
-void set_fixed_state() {
-    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    glFrontFace(GL_CCW);
-    glProvokingVertex(GL_FIRST_VERTEX_CONVENTION);  // as Vulkan
-    glEnable(GL_FRAMEBUFFER_SRGB);
-    glEnable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
-    glEnable(GL_PROGRAM_POINT_SIZE);
-    glDisable(GL_DITHER);
-    for (GLenum alignment : {GL_PACK_ALIGNMENT, GL_UNPACK_ALIGNMENT}) glPixelStorei(alignment, 1);
-}
-
 rhi::Severity severity_of(GLenum type, GLenum severity) {
     if (type == GL_DEBUG_TYPE_ERROR) return rhi::Severity::error;
     if (type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) return rhi::Severity::undefined;
@@ -179,6 +185,10 @@ rhi::Severity severity_of(GLenum type, GLenum severity) {
 
 void GLAPIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
                            const GLchar* text, const void* sink) {
+    // The backend's own labels; and a shader that does not compile is an error value, with this message in it.
+    if (type == GL_DEBUG_TYPE_PUSH_GROUP || type == GL_DEBUG_TYPE_POP_GROUP || type == GL_DEBUG_TYPE_MARKER)
+        return;
+    if (source == GL_DEBUG_SOURCE_SHADER_COMPILER && type == GL_DEBUG_TYPE_ERROR) return;
     std::string_view what = length < 0 ? std::string_view(text) : std::string_view(text, size_t(length));
     while (!what.empty() && (what.back() == '\n' || what.back() == '\0')) what.remove_suffix(1);
     rhi::Message message{.severity = severity_of(type, severity),
@@ -218,7 +228,10 @@ Context::Context(void* display, void* context, std::shared_ptr<const Surface> su
     info_.window = surface_ != nullptr;
 }
 
+Context::Context(CurrentContext hosts) : hosts_(hosts), context_(hosts()), info_(query_info()) {}
+
 Context::~Context() {
+    if (is_hosts()) return;
     // What the host may still read of mapped memory was read before its owners went; what the device still
     // writes must end before the memory goes.
     make_current();
@@ -227,6 +240,28 @@ Context::~Context() {
         eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     }
     eglDestroyContext(display_, context_);
+}
+
+Result<void> Context::enter() const {
+    if (!is_hosts()) {
+        make_current();
+        return {};
+    }
+    if (hosts_() != context_)
+        return fail(ErrorKind::invalid_argument, info_.name,
+                    "the host's context is not current on this thread",
+                    "make it current around all calls of its device, and of what that made");
+    return {};
+}
+
+void Context::drop_hosts_errors() const {
+    if (!is_hosts()) return;
+    while (const GLenum error = glGetError()) {
+        if (error == GL_CONTEXT_LOST) break;
+        sink_({.severity = rhi::Severity::low,
+               .id = "gl.host",
+               .text = fmt::format("the host left error {:#x} unread", error)});
+    }
 }
 
 void Context::make_current() const {
@@ -244,17 +279,29 @@ Result<void> Context::swap(bool vsync) {
                 "open the window and the device anew");
 }
 
-void Context::report_to(rhi::MessageSink sink) {
-    sink_ = sink ? std::move(sink) : rhi::MessageSink(print_failure);
-    glEnable(GL_DEBUG_OUTPUT);
-    glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
-    for (GLenum own : {GL_DEBUG_TYPE_PUSH_GROUP, GL_DEBUG_TYPE_POP_GROUP, GL_DEBUG_TYPE_MARKER}) {
-        glDebugMessageControl(GL_DONT_CARE, own, GL_DONT_CARE, 0, nullptr, GL_FALSE);
+void Context::describe(const rhi::DeviceDesc& desc) {
+    info_.validation = desc.validation;
+    info_.timing = desc.timing != rhi::Timing::automatic ? desc.timing
+                   : info_.software                      ? rhi::Timing::serialised
+                                                         : rhi::Timing::overlapped;
+    sink_ = desc.sink ? desc.sink : rhi::MessageSink(print_failure);
+}
+
+void Context::listen() {
+    if (!info_.validation || listening_) return;
+    listening_ = true;
+    for (size_t i = 0; i < debug_capabilities.size(); ++i) {
+        hosts_debug_[i] = glIsEnabled(debug_capabilities[i]);
+        glEnable(debug_capabilities[i]);
     }
-    // A shader that does not compile is an error value, with this message in it.
-    glDebugMessageControl(GL_DEBUG_SOURCE_SHADER_COMPILER, GL_DEBUG_TYPE_ERROR, GL_DONT_CARE, 0, nullptr,
-                          GL_FALSE);
     glDebugMessageCallback(on_message, &sink_);
+}
+
+void Context::stop_listening() {
+    if (!std::exchange(listening_, false)) return;
+    glDebugMessageCallback(nullptr, nullptr);
+    for (size_t i = 0; i < debug_capabilities.size(); ++i)
+        if (!hosts_debug_[i]) glDisable(debug_capabilities[i]);
 }
 
 Result<std::unique_ptr<Context>> Context::open(const rhi::DeviceDesc& desc,
@@ -278,14 +325,39 @@ Result<std::unique_ptr<Context>> Context::open(const rhi::DeviceDesc& desc,
                                   : "name one of those found");
     }
     best->make_current();
-    rhi::DeviceInfo& info = best->info_;
-    info.validation = desc.validation;
-    info.timing = desc.timing != rhi::Timing::automatic ? desc.timing
-                  : info.software                       ? rhi::Timing::serialised
-                                                        : rhi::Timing::overlapped;
-    if (desc.validation) best->report_to(desc.sink);
-    set_fixed_state();
+    best->describe(desc);
+    best->listen();
     return best;
+}
+
+Result<std::unique_ptr<Context>> Context::adopt(const rhi::DeviceDesc& desc) {
+    const auto refuse = [](std::string why) {
+        return fail(ErrorKind::no_device, "OpenGL", std::move(why),
+                    fmt::format("make an OpenGL {}.{} core context current on this thread",
+                                needed_version / 10, needed_version % 10));
+    };
+    const CurrentContext current = current_context();
+    if (!current) return refuse("neither EGL nor GLX has a current context on this thread");
+    // Of what follows, all but the last is older than any context; epoxy ends the process at a function that is
+    // not there.
+    if (!epoxy_is_desktop_gl()) return refuse(fmt::format("the context is of {}", gl_string(GL_VERSION)));
+    if (epoxy_gl_version() < needed_version)
+        return refuse(fmt::format("the context is of OpenGL {}", gl_string(GL_VERSION)));
+    if (!(limit(GL_CONTEXT_PROFILE_MASK) & GL_CONTEXT_CORE_PROFILE_BIT))
+        return refuse("the context is of the compatibility profile");
+
+    auto context = std::make_unique<Context>(current);
+    if (lower(context->info().name).find(lower(desc.name)) == std::string::npos)
+        return fail(ErrorKind::no_device, "OpenGL",
+                    fmt::format("the context is of {}, not of a device named like \"{}\"",
+                                context->info().name, desc.name));
+    context->describe(desc);
+    GLvoid* callback = nullptr;
+    glGetPointerv(GL_DEBUG_CALLBACK_FUNCTION, &callback);
+    // A host that listens hears of lumo's calls as well.
+    context->info_.validation =
+        desc.validation && !callback && (limit(GL_CONTEXT_FLAGS) & GL_CONTEXT_FLAG_DEBUG_BIT);
+    return context;
 }
 
 std::vector<rhi::DeviceInfo> found_devices() {

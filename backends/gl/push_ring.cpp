@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "backends/gl/resources.hpp"
 #include "backends/gl/timeline.hpp"
@@ -18,6 +19,12 @@ Result<PushRing> PushRing::create(uint32_t alignment) {
         static_cast<std::byte*>(glMapNamedBufferRange(ring.buffer_, 0, parts * part_bytes, mapping));
     label(GL_BUFFER, ring.buffer_, "push constants");
     return check_errors("push constants").map([&] { return ring; });
+}
+
+void PushRing::clear() {
+    for (GLsync& fence : fences_) glDeleteSync(std::exchange(fence, nullptr));
+    glDeleteBuffers(1, &buffer_);
+    buffer_ = 0;
 }
 
 BufferRange PushRing::put(std::span<const std::byte> bytes) {

@@ -20,6 +20,9 @@ class PushRing {
     /// Where the bytes are for the next command. Bytes equal to those before stay where they are.
     BufferRange put(std::span<const std::byte> bytes);
 
+    /// Deletes its objects.
+    void clear();
+
   private:
     static constexpr size_t parts = 8;
     static constexpr size_t part_bytes = 128 << 10;

@@ -60,6 +60,48 @@ void allocate(GLuint name, const rhi::TextureDesc& desc) {
     }
 }
 
+/// Why a host's texture is not what the description says; empty where it is.
+std::string mismatch(GLuint name, const rhi::TextureDesc& desc) {
+    if (!glIsTexture(name)) return fmt::format("{} is not the name of a texture", name);
+    const auto parameter = [name](GLenum what) {
+        GLint value = 0;
+        glGetTextureParameteriv(name, what, &value);
+        return value;
+    };
+    const auto of_mip_0 = [name](GLenum what) {
+        GLint value = 0;
+        glGetTextureLevelParameteriv(name, 0, what, &value);
+        return value;
+    };
+    Box box = gl_box(desc.dimension, whole_mip(desc));
+    if (desc.dimension == Dimension::cube) box.depth = 1;  // its faces do not count
+    struct Fact {
+        const char* what;
+        GLint found, described;
+        bool hexadecimal = false;
+    };
+    const Fact target{"target", parameter(GL_TEXTURE_TARGET), GLint(gl_target(desc.dimension)), true};
+    const Fact facts[] = {
+        {"immutable storage", parameter(GL_TEXTURE_IMMUTABLE_FORMAT), GL_TRUE},
+        {"internal format", of_mip_0(GL_TEXTURE_INTERNAL_FORMAT), GLint(gl_format(desc.format).internal),
+         true},
+        {"width", of_mip_0(GL_TEXTURE_WIDTH), box.width},
+        {"height", of_mip_0(GL_TEXTURE_HEIGHT), box.height},
+        {"depth or layers", of_mip_0(GL_TEXTURE_DEPTH), box.depth},
+        {"mips", parameter(GL_TEXTURE_VIEW_NUM_LEVELS), GLint(desc.mips)},
+        {"samples", std::max(of_mip_0(GL_TEXTURE_SAMPLES), 1), GLint(desc.samples)},
+    };
+    const auto text = [](const Fact& fact) {
+        return fact.hexadecimal
+                   ? fmt::format("its {} is {:#x}, not {:#x}", fact.what, fact.found, fact.described)
+                   : fmt::format("its {} is {}, not {}", fact.what, fact.found, fact.described);
+    };
+    if (target.found != target.described) return text(target);
+    for (const Fact& fact : facts)
+        if (fact.found != fact.described) return text(fact);
+    return {};
+}
+
 void attach(GLuint framebuffer, GLenum point, const Attachment& attachment) {
     if (attachment.layer == Attachment::all_layers) {
         glNamedFramebufferTexture(framebuffer, point, attachment.texture, attachment.mip);
@@ -133,6 +175,25 @@ Result<uint64_t> Resources::create(rhi::TextureHandle handle, const rhi::Texture
     return texture_bytes(desc);
 }
 
+Result<void> Resources::adopt(rhi::TextureHandle handle, const rhi::TextureDesc& desc,
+                              const rhi::NativeTexture& native) {
+    const auto hosts = GLuint(native.object);
+    if (const std::string why = mismatch(hosts, desc); !why.empty())
+        return fail(ErrorKind::invalid_argument, desc.name, why,
+                    "make it by glTextureStorage, and describe it as it is");
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    glTextureView(name, gl_target(desc.dimension), hosts, gl_format(desc.format).internal, 0, desc.mips, 0,
+                  desc.layers);
+    if (auto status = check_errors(desc.name); !status) {
+        glDeleteTextures(1, &name);
+        return status;
+    }
+    label(GL_TEXTURE, name, desc.name);
+    slot(textures_, handle.index) = {name, desc, {}};
+    return {};
+}
+
 Result<void> Resources::create(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) {
     static constexpr GLfloat borders[][4] = {{0, 0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1, 1}};
     GLuint name = 0;
@@ -168,6 +229,11 @@ void Resources::destroy(rhi::TextureHandle handle) {
         return uses;
     });
     glDeleteTextures(GLsizei(names.size()), names.data());
+}
+
+void Resources::clear() {
+    for (const auto& [key, framebuffer] : framebuffers_) glDeleteFramebuffers(1, &framebuffer);
+    framebuffers_.clear();
 }
 
 GLuint Resources::view(const rhi::TextureView& view) {

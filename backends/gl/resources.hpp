@@ -36,15 +36,21 @@ struct Attachment {
     GLint layer = all_layers;
 };
 
-/// Names of OpenGL objects by the core's handles. The context's end frees what is left.
+/// Names of OpenGL objects by the core's handles.
 class Resources {
   public:
     Result<rhi::CreatedBuffer> create(rhi::BufferHandle handle, const rhi::BufferDesc& desc);
     Result<uint64_t> create(rhi::TextureHandle handle, const rhi::TextureDesc& desc);
+    /// A view of the host's texture, which has parameters of its own and outlives the host's name for it.
+    /// Errors: invalid_argument, where the texture is not as described.
+    Result<void> adopt(rhi::TextureHandle handle, const rhi::TextureDesc& desc,
+                       const rhi::NativeTexture& native);
     Result<void> create(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc);
     void destroy(rhi::BufferHandle handle);
     void destroy(rhi::TextureHandle handle);
     void destroy(rhi::SamplerHandle handle);
+    /// Deletes what belongs to no handle: all others are destroyed already.
+    void clear();
 
     GLuint buffer(rhi::BufferHandle handle) const { return buffers_[handle.index]; }
     GLuint sampler(rhi::SamplerHandle handle) const { return samplers_[handle.index]; }

@@ -5,14 +5,6 @@
 namespace lumo::backends::gl {
 namespace {
 
-/// True, and remembered, when `value` was not known to be there.
-template <class T>
-bool changes(std::optional<T>& known, const T& value) {
-    if (known == value) return false;
-    known = value;
-    return true;
-}
-
 // Tables are in the order of their enumerations.
 
 GLenum gl_compare(rhi::Compare compare) {
@@ -33,117 +25,131 @@ GLenum gl_blend_op(rhi::BlendOp op) {
     return ops[size_t(op)];
 }
 
-void enable(GLenum what, bool on) { on ? glEnable(what) : glDisable(what); }
-
-void apply_color(GLuint target, const rhi::ColorTargetState& state) {
-    const auto mask = [&](int bit) { return GLboolean((state.write_mask >> bit) & 1); };
-    glColorMaski(target, mask(0), mask(1), mask(2), mask(3));
-    if (!state.blend) {
-        glDisablei(GL_BLEND, target);
-        return;
-    }
-    const rhi::BlendState& blend = *state.blend;
-    glEnablei(GL_BLEND, target);
-    glBlendFuncSeparatei(target, gl_factor(blend.source_color), gl_factor(blend.destination_color),
-                         gl_factor(blend.source_alpha), gl_factor(blend.destination_alpha));
-    glBlendEquationSeparatei(target, gl_blend_op(blend.color_op), gl_blend_op(blend.alpha_op));
-}
-
-void apply_depth(const std::optional<rhi::DepthState>& depth) {
-    enable(GL_DEPTH_TEST, depth.has_value());
-    if (!depth) return;
-    glDepthMask(depth->write);
-    glDepthFunc(gl_compare(depth->compare));
-    enable(GL_POLYGON_OFFSET_FILL, depth->bias_constant != 0 || depth->bias_slope != 0);
-    glPolygonOffset(depth->bias_slope, depth->bias_constant);
-}
-
-void apply_cull(rhi::CullMode cull) {
-    enable(GL_CULL_FACE, cull != rhi::CullMode::none);
-    glCullFace(cull == rhi::CullMode::front ? GL_FRONT : GL_BACK);
-}
-
-bool leaves_masks_open(const rhi::RasterState& state) {
-    for (const rhi::ColorTargetState& target : state.color) {
-        if (target.write_mask != 0xf) return false;
-    }
-    return !state.depth || state.depth->write;
-}
-
 }  // namespace
 
-void BoundState::forget() { *this = {}; }
+void BoundState::forget_objects() {
+    visit_all([](auto& piece) {
+        if constexpr (std::remove_reference_t<decltype(piece)>::names_objects) piece.forget();
+    });
+}
+
+void BoundState::give_back() {
+    visit_all([](auto& piece) { piece.give_back(); });
+    raster_.reset();
+}
+
+// -- shaders
 
 void BoundState::program(GLuint name) {
-    if (changes(program_, name)) glUseProgram(name);
+    set<piece::Enabled<GL_TEXTURE_CUBE_MAP_SEAMLESS>>(true);
+    if (knows<piece::Program>(name, 0)) return;
+    disturb<piece::Subroutines>();
+    set<piece::Program>(name);
 }
 
-void BoundState::framebuffer(GLuint name) {
-    if (changes(framebuffer_, name)) glBindFramebuffer(GL_FRAMEBUFFER, name);
-}
-
-void BoundState::texture(GLuint unit, GLuint name, GLuint sampler) {
-    const auto known = textures_[unit];
-    if (!changes(textures_[unit], {name, sampler})) return;
-    if (!known || known->texture != name) glBindTextureUnit(unit, name);
-    if (!known || known->sampler != sampler) glBindSampler(unit, sampler);
-}
-
-void BoundState::image(GLuint unit, const ImageBinding& image) {
-    // Layered always: OpenGL ignores it for textures without layers, and views hold just the layers wanted.
-    if (changes(images_[unit], image)) {
-        glBindImageTexture(unit, image.texture, image.mip, GL_TRUE, 0, image.access, image.format);
-    }
+void BoundState::texture(GLuint unit, rhi::Dimension dimension, GLuint name, GLuint sampler) {
+    const GLuint index = unit * piece::TextureAt::targets + GLuint(dimension);
+    constexpr size_t all = slots * piece::TextureAt::targets;
+    if (knows<piece::TextureAt, all>(name, index) && knows<piece::SamplerAt, slots>(sampler, unit)) return;
+    disturb<piece::ActiveTexture>();
+    set<piece::TextureAt, all>(name, index);
+    set<piece::SamplerAt, slots>(sampler, unit);
 }
 
 void BoundState::storage(GLuint slot, const BufferRange& range) {
-    if (changes(storage_[slot], range)) {
-        glBindBufferRange(GL_SHADER_STORAGE_BUFFER, slot, range.buffer, range.offset, range.size);
-    }
+    if (knows<piece::StorageAt, slots>(range, slot)) return;
+    disturb<piece::StorageBuffer>();
+    set<piece::StorageAt, slots>(range, slot);
 }
 
 void BoundState::uniform(GLuint slot, const BufferRange& range) {
-    if (changes(uniforms_[slot], range)) {
-        glBindBufferRange(GL_UNIFORM_BUFFER, slot, range.buffer, range.offset, range.size);
-    }
+    if (knows<piece::UniformAt, slots>(range, slot)) return;
+    disturb<piece::UniformBuffer>();
+    set<piece::UniformAt, slots>(range, slot);
 }
 
-void BoundState::buffer(GLenum target, GLuint name) {
-    auto& known = target == GL_DRAW_INDIRECT_BUFFER       ? draw_indirect_
-                  : target == GL_DISPATCH_INDIRECT_BUFFER ? dispatch_indirect_
-                  : target == GL_PIXEL_PACK_BUFFER        ? pack_
-                                                          : unpack_;
-    if (changes(known, name)) glBindBuffer(target, name);
+// -- texels
+
+void BoundState::pack(GLuint buffer) {
+    set<piece::PackBuffer>(buffer);
+    set<piece::PixelStore<GL_PACK_ALIGNMENT>>(1);
+    set_all(packing_, 0);
 }
+
+void BoundState::unpack(GLuint buffer) {
+    set<piece::UnpackBuffer>(buffer);
+    set<piece::PixelStore<GL_UNPACK_ALIGNMENT>>(1);
+    set_all(unpacking_, 0);
+}
+
+// -- raster
 
 void BoundState::raster(const rhi::RasterState& state) {
-    const auto known = raster_;
-    if (!changes(raster_, state)) return;
-    for (GLuint i = 0; i < state.color.size(); ++i) {
-        const bool same = known && i < known->color.size() && known->color[i] == state.color[i];
-        if (!same) apply_color(i, state.color[i]);
-    }
-    if (!known || known->depth != state.depth) apply_depth(state.depth);
-    if (!known || known->cull != state.cull) apply_cull(state.cull);
-    if (!known || known->depth_clamp != state.depth_clamp) enable(GL_DEPTH_CLAMP, state.depth_clamp);
-    if (!leaves_masks_open(state)) masks_open_ = false;
+    if (raster_ == state) return;
+    for (GLuint i = 0; i < state.color.size(); ++i) color_target(i, state.color[i]);
+    depth(state.depth);
+    set<piece::Enabled<GL_CULL_FACE>>(state.cull != rhi::CullMode::none);
+    if (state.cull != rhi::CullMode::none)
+        set<piece::CullFace>(GLenum(state.cull == rhi::CullMode::front ? GL_FRONT : GL_BACK));
+    set<piece::Enabled<GL_DEPTH_CLAMP>>(state.depth_clamp);
+    raster_ = state;
+}
+
+void BoundState::color_masks(GLuint target, uint8_t bits) {
+    const auto mask = [&](int bit) { return GLboolean((bits >> bit) & 1); };
+    set<piece::ColorMask, color_targets>({mask(0), mask(1), mask(2), mask(3)}, target);
+}
+
+void BoundState::color_target(GLuint target, const rhi::ColorTargetState& state) {
+    color_masks(target, state.write_mask);
+    set<piece::EnabledAt<GL_BLEND>, color_targets>(state.blend.has_value(), target);
+    if (!state.blend) return;
+    const rhi::BlendState& blend = *state.blend;
+    set<piece::BlendFunction, color_targets>(
+        {gl_factor(blend.source_color), gl_factor(blend.destination_color), gl_factor(blend.source_alpha),
+         gl_factor(blend.destination_alpha)},
+        target);
+    set<piece::BlendEquation, color_targets>({gl_blend_op(blend.color_op), gl_blend_op(blend.alpha_op)},
+                                             target);
+}
+
+void BoundState::depth(const std::optional<rhi::DepthState>& depth) {
+    set<piece::Enabled<GL_DEPTH_TEST>>(depth.has_value());
+    const bool biased = depth && (depth->bias_constant != 0 || depth->bias_slope != 0);
+    set<piece::Enabled<GL_POLYGON_OFFSET_FILL>>(biased);
+    if (biased) set<piece::PolygonOffset>({depth->bias_slope, depth->bias_constant, 0});
+    if (!depth) return;
+    set<piece::DepthMask>(depth->write);
+    set<piece::DepthFunction>(gl_compare(depth->compare));
 }
 
 void BoundState::open_masks() {
-    if (changes(scissor_, false)) glDisable(GL_SCISSOR_TEST);
-    if (!changes(masks_open_, true)) return;
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    glDepthMask(GL_TRUE);
+    set_all(unused_, false);
+    encode_srgb(true);
+    set<piece::Enabled<GL_PROGRAM_POINT_SIZE>>(true);
+    set<piece::Enabled<GL_MULTISAMPLE>>(true);
+    set<piece::ClipControl>({GL_LOWER_LEFT, GL_ZERO_TO_ONE});
+    set<piece::FrontFace>(GL_CCW);
+    set<piece::ProvokingVertex>(GL_FIRST_VERTEX_CONVENTION);  // as Vulkan
+    set<piece::PolygonMode>(GL_FILL);
+    set<piece::LineWidth>(1);
+    set<piece::PointFade>(1);
+    set<piece::PointOrigin>(GL_UPPER_LEFT);
+    set<piece::DepthRange>({0, 1});
+
+    scissor(false);
+    for (GLuint i = 0; i < color_targets; ++i) color_masks(i, 0xf);
+    set<piece::DepthMask>(GL_TRUE);
     raster_.reset();
 }
 
 void BoundState::viewport(const rhi::Viewport& viewport) {
-    if (changes(scissor_, true)) glEnable(GL_SCISSOR_TEST);
-    glViewportIndexedf(0, viewport.x, viewport.y, viewport.width, viewport.height);
+    set<piece::ViewportBox>({viewport.x, viewport.y, viewport.width, viewport.height});
     const auto left = GLint(std::floor(viewport.x)), bottom = GLint(std::floor(viewport.y));
     const auto right = GLint(std::ceil(viewport.x + viewport.width));
     const auto top = GLint(std::ceil(viewport.y + viewport.height));
-    glScissor(left, bottom, right - left, top - bottom);
+    set<piece::ScissorBox>({left, bottom, right - left, top - bottom});
+    scissor(true);
 }
 
 }  // namespace lumo::backends::gl

@@ -37,6 +37,7 @@ Result<void> Timeline::begin(uint64_t serial) {
         submissions_.pop_front();
     }
     submissions_.push_back({.serial = serial});
+    recording_ = true;
     return {};
 }
 
@@ -66,6 +67,7 @@ Timeline::Stamp Timeline::stamp() {
 }
 
 Result<void> Timeline::submit() {
+    recording_ = false;
     submissions_.back().fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     glFlush();
     if (glGetGraphicsResetStatus() == GL_NO_ERROR) return {};
@@ -113,6 +115,17 @@ std::vector<rhi::PassStamp> Timeline::stamps(uint64_t serial) {
         passes.push_back({found->stamps[i].time_ns, found->stamps[i + 1].time_ns});
     }
     return passes;
+}
+
+void Timeline::clear() {
+    for (const Submission& submission : submissions_) {
+        glDeleteSync(submission.fence);
+        for (const Stamp& stamp : submission.stamps)
+            if (stamp.query) spare_queries_.push_back(stamp.query);
+    }
+    submissions_.clear();
+    glDeleteQueries(GLsizei(spare_queries_.size()), spare_queries_.data());
+    spare_queries_.clear();
 }
 
 }  // namespace lumo::backends::gl

@@ -28,6 +28,11 @@ class Timeline {
     uint64_t completed();
     Result<void> wait(uint64_t serial);
     std::vector<rhi::PassStamp> stamps(uint64_t serial);
+    /// A submission is open.
+    bool recording() const { return recording_; }
+
+    /// Deletes its objects.
+    void clear();
 
   private:
     /// Serialised stamps are times already; overlapped ones are queries until someone asks.
@@ -45,6 +50,7 @@ class Timeline {
     void finish_oldest();
 
     rhi::Timing timing_;
+    bool recording_ = false;
     uint64_t completed_ = 0;
     std::deque<Submission> submissions_;  ///< by ascending serial: unfinished, and kept for their stamps
     std::vector<GLuint> spare_queries_;
