@@ -1,7 +1,7 @@
 // The RHI's enumerations in Vulkan's.
 #pragma once
 
-#include <volk.h>
+#include <vulkan/vulkan.h>
 
 #include "rhi/format.hpp"
 #include "rhi/plan.hpp"

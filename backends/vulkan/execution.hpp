@@ -51,7 +51,7 @@ class Executor {
     void read_stamps(Frame& frame);
 
     const Gpu& gpu_;
-    const VolkDeviceTable& vk_;
+    const DeviceTable& vk_;
     Store& store_;
     Swapchain swapchain_;
     Unique<VkSemaphore> timeline_;

@@ -95,7 +95,7 @@ Result<std::unique_ptr<Gpu>> Gpu::create(const rhi::DeviceDesc& desc, std::share
                             .ppEnabledExtensionNames = extensions.data()};
     VkResult result = gpu->instance_->vk().create_device(gpu->physical_, &info, nullptr, &gpu->device_);
     if (result != VK_SUCCESS) return fail(result, gpu->info_.name, "vkCreateDevice");
-    gpu->instance_->load(gpu->table_, gpu->device_);
+    gpu->table_ = load_device_table(gpu->instance_->vk().get_device_proc_addr, gpu->device_);
     gpu->table_.vkGetDeviceQueue(gpu->device_, gpu->queue_family_, 0, &gpu->queue_);
     gpu->query_formats();
     return gpu;
@@ -128,7 +128,7 @@ Result<std::unique_ptr<Gpu>> Gpu::adopt(const HostDevice& host, const rhi::Devic
     gpu->take(found, desc);
     gpu->device_ = host.device;
     gpu->queue_ = host.queue;
-    gpu->instance_->load(gpu->table_, gpu->device_);
+    gpu->table_ = load_device_table(gpu->instance_->vk().get_device_proc_addr, gpu->device_);
     gpu->query_formats();
     return gpu;
 }

@@ -7,10 +7,10 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-#include <volk.h>
 
 #include "backends/surface.hpp"
 #include "backends/vulkan/adopt.hpp"
+#include "backends/vulkan/device_table.hpp"
 #include "backends/vulkan/features.hpp"
 #include "backends/vulkan/instance.hpp"
 #include "rhi/device_info.hpp"
@@ -83,7 +83,7 @@ class Gpu {
     VkPhysicalDevice physical() const { return physical_; }
     VkQueue queue() const { return queue_; }
     uint32_t queue_family() const { return queue_family_; }
-    const VolkDeviceTable& vk() const { return table_; }
+    const DeviceTable& vk() const { return table_; }
     const Instance& instance() const { return *instance_; }
 
     /// Null without a window.
@@ -128,7 +128,7 @@ class Gpu {
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;
-    VolkDeviceTable table_{};
+    DeviceTable table_{};
     VkPhysicalDeviceProperties properties_{};
     Features features_;
     rhi::DeviceInfo info_;

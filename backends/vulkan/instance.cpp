@@ -1,16 +1,9 @@
-// volk's global function pointers are hidden, so that they never stand in for the functions of a Vulkan
-// library that the host program links. What volk.h includes must stay visible.
-#include <dlfcn.h>
-#include <vulkan/vulkan.h>
-#pragma GCC visibility push(hidden)
-#define VOLK_IMPLEMENTATION
-#include <volk.h>
-#pragma GCC visibility pop
+#include "backends/vulkan/instance.hpp"
 
+#include <algorithm>
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <string_view>
-
-#include "backends/vulkan/instance.hpp"
 
 namespace lumo::backends::vulkan {
 
@@ -20,10 +13,14 @@ using rhi::Severity;
 
 constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
 
-/// Null when there is no loader. Found once a process: the only state of volk's that is used.
+/// Null when there is no loader. Found once a process, and kept.
 PFN_vkGetInstanceProcAddr loader() {
-    static const PFN_vkGetInstanceProcAddr entry =
-        volkInitialize() == VK_SUCCESS ? vkGetInstanceProcAddr : nullptr;
+    static const PFN_vkGetInstanceProcAddr entry = []() -> PFN_vkGetInstanceProcAddr {
+        for (const char* name : {"libvulkan.so.1", "libvulkan.so"})
+            if (void* library = dlopen(name, RTLD_NOW | RTLD_LOCAL))
+                return reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
+        return nullptr;
+    }();
     return entry;
 }
 
@@ -193,17 +190,6 @@ Instance::~Instance() {
 std::vector<VkPhysicalDevice> Instance::physical_devices() const {
     return enumerate<VkPhysicalDevice>([&](uint32_t* count, VkPhysicalDevice* list) {
         table_.enumerate_physical_devices(instance_, count, list);
-    });
-}
-
-void Instance::load(VolkDeviceTable& table, VkDevice device) const {
-    struct Source {
-        PFN_vkGetDeviceProcAddr get;
-        VkDevice device;
-    } source{table_.get_device_proc_addr, device};
-    volkGenLoadDeviceTable(&table, &source, [](void* context, const char* name) {
-        auto* from = static_cast<Source*>(context);
-        return from->get(from->device, name);
     });
 }
 

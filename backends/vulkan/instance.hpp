@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 #include <vector>
-#include <volk.h>
+#include <vulkan/vulkan.h>
 
 #include "rhi/check.hpp"
 #include "rhi/error.hpp"
@@ -22,8 +22,7 @@ std::vector<T> enumerate(Call&& call) {
     return elements;
 }
 
-/// Functions of one instance. They are kept here because volk keeps them in global variables, which two
-/// instances of two loaders could not share.
+/// Functions of one instance, in no global variable, as device_table.hpp says.
 struct InstanceTable {
     PFN_vkDestroyInstance destroy_instance;
     PFN_vkEnumeratePhysicalDevices enumerate_physical_devices;
@@ -67,8 +66,6 @@ class Instance {
     const InstanceTable& vk() const { return table_; }
     VkInstance handle() const { return instance_; }
     std::vector<VkPhysicalDevice> physical_devices() const;
-    /// Fills a table with the device's own entry points, past the loader's dispatch.
-    void load(VolkDeviceTable& table, VkDevice device) const;
     /// To the sink, or failures to stderr where there is none.
     void report(const rhi::Message& message) const;
 

@@ -135,6 +135,27 @@ VkResult make_raster(const Gpu& gpu, VkPipelineCache cache, VkPipelineLayout lay
     return gpu.vk().vkCreateGraphicsPipelines(gpu.device(), cache, 1, &info, nullptr, pipeline);
 }
 
+/// What needs a feature that a host may have left off. Error: unsupported.
+Result<void> check_features(const Gpu& gpu, const rhi::ProgramInfo& program, const rhi::RasterState* raster) {
+    using rhi::Stages;
+    const VkPhysicalDeviceFeatures& enabled = gpu.features().core;
+    auto lacks = [&](const char* feature) {
+        return fail(ErrorKind::unsupported, std::string(program.name),
+                    fmt::format("it needs {}, which this device was made without", feature));
+    };
+    if (raster && raster->depth_clamp && !enabled.depthClamp) return lacks("depthClamp");
+    for (const rhi::BindingInfo& binding : program.bindings) {
+        const bool storage = binding.kind == rhi::BindingKind::storage_buffer ||
+                             binding.kind == rhi::BindingKind::storage_image;
+        if (storage && binding.access != rhi::ShaderAccess::read &&
+            has(binding.stages, Stages::vertex | Stages::geometry) && !enabled.vertexPipelineStoresAndAtomics)
+            return lacks("vertexPipelineStoresAndAtomics");
+        if (binding.dimension == rhi::Dimension::cube_array && !enabled.imageCubeArray)
+            return lacks("imageCubeArray");
+    }
+    return {};
+}
+
 rhi::CacheKey cache_key(const Gpu& gpu) {
     const auto& p = gpu.properties();
     return rhi::KeyBuilder()
@@ -191,6 +212,7 @@ PipelineCache::~PipelineCache() {
 
 Result<Pipeline> create_pipeline(const Gpu& gpu, const PipelineCache& cache, const rhi::ProgramInfo& program,
                                  std::span<const uint32_t> options, const rhi::RasterState* raster) {
+    if (auto fine = check_features(gpu, program, raster); !fine) return tl::unexpected(fine.error());
     const auto& vk = gpu.vk();
     Pipeline made;
     if (raster) made.bind_point = VK_PIPELINE_BIND_POINT_GRAPHICS;

@@ -83,7 +83,7 @@ class Recorder {
                                   const rhi::TextureRegion& region) const;
 
     const Gpu& gpu_;
-    const VolkDeviceTable& vk_;
+    const DeviceTable& vk_;
     Store& store_;
     Swapchain& swapchain_;
     size_t slot_;

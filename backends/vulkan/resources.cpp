@@ -65,6 +65,8 @@ struct ImageShape {
 /// Error: unsupported.
 Result<void> check_shape(const Gpu& gpu, const rhi::TextureDesc& desc,
                          const VkPhysicalDeviceImageFormatInfo2& asked) {
+    if (desc.dimension == Dimension::cube_array && !gpu.features().core.imageCubeArray)
+        return fail(ErrorKind::unsupported, desc.name, "this device was made without imageCubeArray");
     VkImageFormatProperties2 allowed{.sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_PROPERTIES_2};
     VkResult result = gpu.instance().vk().image_format_properties(gpu.physical(), &asked, &allowed);
     const auto& limit = allowed.imageFormatProperties;

@@ -52,7 +52,7 @@ class Swapchain {
     void note(const Error& error);
 
     const Gpu& gpu_;
-    const VolkDeviceTable& vk_;
+    const DeviceTable& vk_;
     Unique<VkSwapchainKHR> swapchain_;
     std::vector<Image> images_;
     std::array<Unique<VkSemaphore>, rhi::max_in_flight> free_;
