@@ -40,6 +40,14 @@ tl::unexpected<Error> damaged(const Source& source, const std::string& reason) {
                 "write the image again");
 }
 
+ImageF to_float(const Image8& from) {
+    ImageF to{.width = from.width, .height = from.height, .channels = from.channels};
+    to.values.resize(from.values.size());
+    std::ranges::transform(from.values, to.values.begin(),
+                           [](uint8_t value) { return float(value) * (1.0f / 255); });
+    return to;
+}
+
 }  // namespace codec
 
 namespace {
@@ -95,13 +103,6 @@ Result<Image8> to_rgba(Image8 from, const Source& source) {
     return to;
 }
 
-ImageF to_float(const Image8& from) {
-    ImageF to{.width = from.width, .height = from.height, .channels = from.channels};
-    to.values.resize(from.values.size());
-    std::ranges::transform(from.values, to.values.begin(), [](uint8_t value) { return float(value) / 255; });
-    return to;
-}
-
 // The layer without a name, or else the first.
 ImageF main_layer(std::vector<ExrLayer> layers) {
     const auto unnamed = std::ranges::find(layers, std::string(), &ExrLayer::name);
@@ -122,7 +123,7 @@ Result<ImageF> decode_float(const Source& source) {
         case Format::png:
             return codec::decode_png_float(source);
         case Format::jpeg:
-            return codec::decode_jpeg(source).map(to_float);
+            return codec::decode_jpeg(source).map(codec::to_float);
         case Format::hdr:
             return codec::decode_hdr(source);
         case Format::exr:

@@ -34,6 +34,9 @@ Result<void> check(const Header& header, const Source& source);
 /// What is damaged: invalid_file, with the reason.
 tl::unexpected<Error> damaged(const Source& source, const std::string& reason);
 
+/// Samples of 0 to 255 as floats of 0 to 1.
+ImageF to_float(const Image8& from);
+
 /// 16-bit samples become 8 bits by rounding, or floats of 0 to 1. 1 to 4 channels.
 Result<Image8> decode_png8(const Source& source);
 Result<ImageF> decode_png_float(const Source& source);

@@ -2,7 +2,6 @@
 #include <cstdlib>
 #include <dlfcn.h>
 #include <filesystem>
-#include <fmt/format.h>
 
 #include "scene/image_codec.hpp"
 #include "scene/image_module.hpp"
@@ -10,11 +9,6 @@
 
 namespace lumo::scene::codec {
 namespace {
-
-struct Loaded {
-    const ImageModule* module = nullptr;
-    std::string why_not = {};
-};
 
 std::filesystem::path find_module() {
     if (const char* named = std::getenv("LUMO_IMAGE_MODULE")) return named;
@@ -25,23 +19,17 @@ std::filesystem::path find_module() {
     return {};
 }
 
-Loaded load() {
+/// The module, or why there is none. It stays loaded, because its library may hold threads and thread-local memory.
+tl::expected<const ImageModule*, std::string> load_module() {
     const std::filesystem::path file = find_module();
-    if (file.empty()) return {.why_not = "there is no image module beside the program"};
-    const std::string name = printable(file.string());
+    if (file.empty()) return tl::unexpected(std::string("there is no image module beside the program"));
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!library) return {.why_not = "the image module cannot be loaded: " + printable(dlerror())};
+    if (!library) return tl::unexpected("the image module cannot be loaded: " + printable(dlerror()));
     const auto entry = reinterpret_cast<decltype(&lumo_image_module)>(dlsym(library, "lumo_image_module"));
     const ImageModule* module = entry ? entry() : nullptr;
     if (!module || module->version != image_module_version || !module->decode)
-        return {.why_not = fmt::format("{} is no image module of this version of lumo", name)};
-    return {.module = module};
-}
-
-// A module stays loaded: its library may hold threads and thread-local memory.
-const Loaded& loaded() {
-    static const Loaded once = load();
-    return once;
+        return tl::unexpected(printable(file.string()) + " is no image module of this version of lumo");
+    return module;
 }
 
 template <class T>
@@ -68,16 +56,20 @@ struct Receiver {
 
     static void report(void* self, const char* reason) noexcept {
         auto& receiver = *static_cast<Receiver*>(self);
-        receiver.outcome = damaged(receiver.source, printable(reason));
+        // What was not recognised took no memory.
+        receiver.outcome = receiver.image.values.empty()
+                               ? fail(ErrorKind::unsupported, receiver.source.name,
+                                      "is no image of a known format: " + printable(reason), "convert it")
+                               : damaged(receiver.source, printable(reason));
     }
 };
 
 template <class T>
 Result<Image<T>> decode(const Source& source, ImageSamples samples) {
-    const Loaded& module = loaded();
-    if (!module.module)
+    const auto module = load_module();
+    if (!module)
         return fail(ErrorKind::unsupported, source.name,
-                    "is none of PNG, JPEG, HDR and EXR, and " + module.why_not,
+                    "is none of PNG, JPEG, HDR and EXR, and " + module.error(),
                     "convert it, or name lumo_image_oiio.so by LUMO_IMAGE_MODULE");
     Receiver<T> receiver{.source = source};
     const ImageRequest request{.bytes = source.bytes.data(),
@@ -87,7 +79,7 @@ Result<Image<T>> decode(const Source& source, ImageSamples samples) {
                                .receiver = &receiver,
                                .allocate = Receiver<T>::allocate,
                                .report = Receiver<T>::report};
-    const bool decoded = module.module->decode(request);
+    const bool decoded = (*module)->decode(request);
     if (!receiver.outcome) return tl::unexpected(receiver.outcome.error());
     if (!decoded || receiver.image.values.empty()) return damaged(source, "the image module gives no reason");
     return std::move(receiver.image);

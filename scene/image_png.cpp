@@ -152,13 +152,13 @@ Result<Image8> decode_png8(const Source& source) {
 Result<ImageF> decode_png_float(const Source& source) {
     return decode(source, true).map([](const Pixels& pixels) {
         const Image8& image = pixels.image;
+        if (pixels.bytes_per_sample == 1) return to_float(image);
         ImageF result{.width = image.width, .height = image.height, .channels = image.channels};
-        result.values.resize(image.values.size() / pixels.bytes_per_sample);
+        result.values.resize(image.values.size() / 2);
         for (size_t i = 0; i < result.values.size(); ++i) {
-            uint16_t wide = 0;
-            if (pixels.bytes_per_sample == 2) std::memcpy(&wide, image.values.data() + 2 * i, 2);
-            result.values[i] =
-                pixels.bytes_per_sample == 2 ? float(wide) / 65535 : float(image.values[i]) / 255;
+            uint16_t value = 0;
+            std::memcpy(&value, image.values.data() + 2 * i, 2);
+            result.values[i] = float(value) * (1.0f / 65535);
         }
         return result;
     });
