@@ -1,4 +1,4 @@
-// The functions of one device that lumo calls. They are in no global variable: two devices, of two loaders, have
+// The functions of one device that lumo and its benchmarks call. They are in no global variable: two devices, of two loaders, have
 // two tables, and no name of theirs meets the functions of a Vulkan library that a host program links.
 #pragma once
 
@@ -45,6 +45,7 @@ namespace lumo::backends::vulkan {
     X(vkCreateComputePipelines)         \
     X(vkCreateDescriptorPool)           \
     X(vkCreateDescriptorSetLayout)      \
+    X(vkCreateFence)                    \
     X(vkCreateGraphicsPipelines)        \
     X(vkCreateImage)                    \
     X(vkCreateImageView)                \
@@ -60,6 +61,7 @@ namespace lumo::backends::vulkan {
     X(vkDestroyDescriptorPool)          \
     X(vkDestroyDescriptorSetLayout)     \
     X(vkDestroyDevice)                  \
+    X(vkDestroyFence)                   \
     X(vkDestroyImage)                   \
     X(vkDestroyImageView)               \
     X(vkDestroyPipeline)                \
@@ -86,9 +88,11 @@ namespace lumo::backends::vulkan {
     X(vkQueueWaitIdle)                  \
     X(vkResetCommandPool)               \
     X(vkResetDescriptorPool)            \
+    X(vkResetFences)                    \
     X(vkResetQueryPool)                 \
     X(vkSignalSemaphore)                \
     X(vkUpdateDescriptorSets)           \
+    X(vkWaitForFences)                  \
     X(vkWaitSemaphores)
 
 #define LUMO_MEMBER(function) PFN_##function function = nullptr;
