@@ -5,4 +5,8 @@ layout(push_constant) uniform Push {
     uint first_index;
     uint first_instance;
     float emission_scale;     // stored emission = radiance * emission_scale, for 0 to 1
+    uint triangles;           // of an instance
+    uint instances;
+    uint draw;                // where this draw has its arguments and its part of the list of large triangles
+    uint first_large;
 } push;

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <string_view>
 
 #include "rhi/rhi.hpp"
 #include "scene/gpu_scene.hpp"
@@ -17,13 +18,21 @@
 #include "shaders/voxels/resolve.hpp"
 #include "shaders/voxels/resolve_emission.hpp"
 #include "shaders/voxels/voxelize.hpp"
+#include "shaders/voxels/voxelize_large.hpp"
+#include "shaders/voxels/voxelize_small.hpp"
 #include "techniques/voxels/light_volume.hpp"
 
 namespace lumo::voxels {
 
+/// Who finds the columns that a triangle covers. Both follow one rule, and differ at most where a column's centre line
+/// lies on an edge, to within 1/256 of a voxel.
+enum class Voxelizer : uint8_t { raster, compute };
+std::string_view to_string(Voxelizer voxelizer);
+
 struct Settings {
     uint32_t resolution = 128;  ///< voxels a side, a power of two, 16 to 1024
     MipKind mips = MipKind::anisotropic;
+    Voxelizer voxelizer = Voxelizer::compute;
 };
 
 /// What the scene needs of the volume; nothing else is made.
@@ -34,7 +43,12 @@ struct Needs {
     bool sunlight = false;     ///< there is a sun to inject
     bool normals = false;      ///< light is reflected on from voxel to voxel
     bool wide_range = false;   ///< radiance needs more than 8 bits
+    uint64_t triangles = 0;    ///< most that voxelize() is given, instances counted
+    uint32_t draws = 0;        ///< most that voxelize() is given
 };
+
+/// Triangles of all draws, instances counted.
+uint64_t count_triangles(const scene::GeometryView& geometry);
 
 /// Where the grid lies: a cube around the scene's bounds, world space.
 struct Grid {
@@ -94,6 +108,10 @@ class Volume {
     Result<void> create_textures(rhi::Device& device);
     Result<void> create_pipelines(rhi::Device& device);
     void sum(rhi::Commands& commands, const scene::GeometryView& geometry, bool emission);
+    void sum_by_raster(rhi::Commands& commands, const scene::GeometryView& geometry, bool emission);
+    void sum_by_compute(rhi::Commands& commands, const scene::GeometryView& geometry, bool emission);
+    template <rhi::Program P>
+    typename P::Push push_of(const scene::DrawView& draw, uint32_t index, uint32_t first_triangle) const;
 
     Settings settings_;
     Needs needs_;
@@ -111,6 +129,10 @@ class Volume {
 
     /// By alpha test, then by what is summed: colour or emission.
     rhi::RasterPipeline<shaders::voxels::voxelize> voxelize_[2][2];
+    rhi::ComputePipeline<shaders::voxels::voxelize_small> voxelize_small_[2][2];
+    rhi::ComputePipeline<shaders::voxels::voxelize_large> voxelize_large_[2][2];
+    rhi::Buffer large_arguments_;  ///< per draw, layout: shaders/voxels/large_list.glsl
+    rhi::Buffer large_list_;
     rhi::ComputePipeline<shaders::voxels::resolve> resolve_;
     rhi::ComputePipeline<shaders::voxels::resolve_emission> resolve_emission_;
     rhi::ComputePipeline<shaders::voxels::light> light_;

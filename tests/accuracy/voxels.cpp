@@ -1,7 +1,5 @@
 // Voxelization against its definition in double precision and against polygons cut by voxels; and the property that
 // the definition is for: no path from face to face through empty voxels crosses a surface.
-#include "tests/support/voxels.hpp"
-
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -9,7 +7,7 @@
 #include <random>
 
 #include "scene/builtin/builtin.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/voxelize_test.hpp"
 
 namespace lumo {
 namespace {
@@ -17,13 +15,7 @@ namespace {
 using namespace testing_support;
 using scene::builtin::Geometry;
 
-struct VoxelizeTest : DeviceTest {
-    VolumeTexels albedo_of(const scene::Scene& scene, uint32_t resolution) {
-        const Voxelized voxelized = voxelize(device(), scene, {.resolution = resolution});
-        return read_volume(device(), voxelized.volume.albedo());
-    }
-};
-INSTANTIATE_TEST_SUITE_P(Accuracy, VoxelizeTest, both_apis, api_name);
+INSTANTIATE_TEST_SUITE_P(Accuracy, VoxelizeTest, each_voxelizer, voxelizer_name);
 
 glm::vec3 random_unit(std::mt19937& random) {
     std::normal_distribution<float> normal;
@@ -48,7 +40,7 @@ TEST_P(VoxelizeTest, OccupancyAndAreaAreTheDefinitions) {
     for (const std::string name : {"cornell", "ball", "atrium"}) {
         SCOPED_TRACE(name);
         const scene::Scene scene = named_scene(name);
-        const Voxelized voxelized = voxelize(device(), scene, {.resolution = side});
+        const Voxelized voxelized = this->voxelized(scene, {.resolution = side});
         const VolumeTexels albedo = read_volume(device(), voxelized.volume.albedo());
         const VolumeTexels area = read_volume(device(), voxelized.volume.area());
         const auto triangles = grid_triangles(scene, voxelized.grid);
@@ -82,7 +74,7 @@ TEST_P(VoxelizeTest, OccupiedVoxelsHoldSurface) {
     for (const std::string name : {"cornell", "ball"}) {
         SCOPED_TRACE(name);
         const scene::Scene scene = named_scene(name);
-        const Voxelized voxelized = voxelize(device(), scene, {.resolution = side});
+        const Voxelized voxelized = this->voxelized(scene, {.resolution = side});
         const VolumeTexels albedo = read_volume(device(), voxelized.volume.albedo());
         const VoxelMap<double> exact = area_by_clipping(grid_triangles(scene, voxelized.grid), side);
         size_t empty = 0, beside = 0;
@@ -110,7 +102,7 @@ TEST_P(VoxelizeTest, AreaAndColourAreTheMeshsOnes) {
     for (const std::string name : {"cornell", "ball", "atrium"}) {
         SCOPED_TRACE(name);
         const scene::Scene scene = named_scene(name);
-        const Voxelized voxelized = voxelize(device(), scene, {.resolution = side});
+        const Voxelized voxelized = this->voxelized(scene, {.resolution = side});
         const VolumeTexels albedo = read_volume(device(), voxelized.volume.albedo());
         const VolumeTexels area = read_volume(device(), voxelized.volume.area());
         const auto triangles = grid_triangles(scene, voxelized.grid);

@@ -109,8 +109,8 @@ inline VoxelMap<VoxelSums> voxelized_on_cpu(const std::vector<GridTriangle>& tri
                     if (inside < -edge_tolerance) continue;
                     const glm::dvec2 from_anchor =
                         center - glm::dvec2(triangle.corners[0][u], triangle.corners[0][v]);
-                    const double height = std::clamp(
-                        triangle.corners[0][axis] + glm::dot(slope, from_anchor), lowest, highest);
+                    const double height =
+                        std::clamp(triangle.corners[0][axis] + glm::dot(slope, from_anchor), lowest, highest);
                     const int lower = int(std::floor(height - height_tolerance));
                     const int upper = int(std::floor(height + height_tolerance));
                     const bool sure = surely_drawn && inside > edge_tolerance && lower == upper;

@@ -1,0 +1,4 @@
+#define MARKS 5
+#define LARGE_ARGUMENTS 6
+#define LARGE_LIST 7
+#include "voxels/large_triangles.glsl"

@@ -1,0 +1,121 @@
+// Voxelization by compute: the columns' centre lines that a triangle meets along the three axes, as in
+// voxels/raster_vertex.glsl, but found here instead of by the rasterizer.
+//
+// Corners are snapped to 1/256 of a voxel, and whether a centre lies in the projected triangle is decided in whole
+// numbers, without rounding. A centre on an edge belongs to the triangle that it would lie in if it were moved a
+// little toward +x, and still less toward +y. So the triangles about an edge or a corner cover each column exactly once.
+#define GEOMETRY_VERTICES 0
+#define GEOMETRY_INDICES 1
+#define GEOMETRY_INSTANCES 2
+#include "common/geometry.glsl"
+#define MATERIAL 3
+#define BASE_COLOR_TEXTURE 4
+#include "voxels/fragment.glsl"
+
+const int voxel_units = 256;
+// Corners farther than this from the grid, in voxels, are moved to here: float32 places them to a quarter of a voxel.
+const float farthest_corner = 2097152.0;
+
+// What a small triangle is. At most so many columns are worth one thread's while, and with so short sides all of its
+// arithmetic fits 32 bits.
+const int small_columns = 32;
+const int small_side = 63 * voxel_units;
+
+struct Triangle {
+    uint instance;
+    uvec3 vertices;
+    vec3 p[3];  // corners, grid space
+    vec3 normal;  // not normalised
+    float doubled_area;
+};
+
+// By number among the draw's, instance by instance.
+Triangle fetch_triangle(uint number) {
+    Triangle t;
+    t.instance = push.first_instance + number / push.triangles;
+    uint first = push.first_index + number % push.triangles * 3u;
+    t.vertices = uvec3(indices.data[first], indices.data[first + 1u], indices.data[first + 2u]);
+    VoxelGrid grid = VoxelGrid(push.grid_origin, push.voxels_per_metre);
+    for (int i = 0; i < 3; ++i) {
+        t.p[i] = grid_from_world(grid, world_from_object(t.instance, fetch_position(t.vertices[i])));
+    }
+    precise vec3 normal = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
+    t.normal = normal;
+    t.doubled_area = length(normal);
+    return t;
+}
+
+// The two axes that follow `axis` in cyclic order, and then the axis itself.
+vec3 projected(vec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
+vec3 unprojected(vec3 v, int axis) { return axis == 0 ? v.zxy : axis == 1 ? v.yzx : v; }
+
+// The triangle as columns along one axis see it.
+struct Projection {
+    ivec2 corner[3];  // counter-clockwise, in units of 1 / voxel_units of a voxel
+    ivec2 first;      // the least column that may be covered
+    ivec2 size;       // columns from there on; 0: none is covered
+    bool turned;      // corners 1 and 2 have changed places
+};
+
+Projection project(Triangle t, int axis) {
+    Projection projection;
+    vec3 lowest = vec3(farthest_corner), highest = vec3(-farthest_corner);
+    for (int i = 0; i < 3; ++i) {
+        vec3 p = clamp(projected(t.p[i], axis), -farthest_corner, farthest_corner);
+        lowest = min(lowest, p);
+        highest = max(highest, p);
+        projection.corner[i] = ivec2(floor(p.xy * float(voxel_units) + 0.5));
+    }
+    float cosine = projected(t.normal, axis).z;
+    projection.turned = cosine < 0.0;
+    if (projection.turned) {
+        ivec2 corner = projection.corner[1];
+        projection.corner[1] = projection.corner[2];
+        projection.corner[2] = corner;
+    }
+    ivec2 low = min(projection.corner[0], min(projection.corner[1], projection.corner[2]));
+    ivec2 high = max(projection.corner[0], max(projection.corner[1], projection.corner[2]));
+    const int half_voxel = voxel_units / 2;
+    projection.first = max((low + (half_voxel - 1)) >> 8, ivec2(0));
+    projection.size = max(min((high - half_voxel) >> 8, ivec2(push.resolution - 1u)) - projection.first + 1, ivec2(0));
+    // A projection thinner than this covers no column's centre line, or none that another axis would not mark.
+    // Written so that what is not a number is left out.
+    bool seen = abs(cosine) > 1e-4 * t.doubled_area && t.doubled_area < 1e30 && highest.z >= 0.0 &&
+                lowest.z < float(push.resolution);
+    if (!seen || projection.size.x * projection.size.y == 0) projection.size = ivec2(0);
+    return projection;
+}
+
+// An edge that holds the columns' centres which lie on it.
+bool holds(ivec2 edge) { return edge.y < 0 || (edge.y == 0 && edge.x > 0); }
+
+ivec2 center_of(ivec2 column) { return column * voxel_units + voxel_units / 2; }
+
+// What is left to know of a triangle once it covers a column. `inside`: barycentric coordinates, up to a factor, in the
+// order of Projection::corner.
+void keep_column(Triangle t, int axis, ivec2 column, vec3 inside, bool turned) {
+    vec3 normal = projected(t.normal, axis);
+    vec3 anchor = projected(t.p[0], axis);
+    float z1 = projected(t.p[1], axis).z, z2 = projected(t.p[2], axis).z;
+    vec2 slope = -normal.xy / normal.z;
+    precise float plane = anchor.z + dot(slope, vec2(column) + 0.5 - anchor.xy);
+    float height = clamp(plane, min(anchor.z, min(z1, z2)), max(anchor.z, max(z1, z2)));
+    ivec3 voxel = ivec3(floor(unprojected(vec3(vec2(column), height), axis)));
+    if (!inside_grid(voxel, int(push.resolution))) return;
+
+    vec3 weights = (turned ? inside.xzy : inside) / (inside.x + inside.y + inside.z);
+    Vertex a = fetch_vertex(t.vertices.x), b = fetch_vertex(t.vertices.y), c = fetch_vertex(t.vertices.z);
+    vec2 d0 = b.uv0 - a.uv0, e0 = c.uv0 - a.uv0;
+    vec2 d1 = b.uv1 - a.uv1, e1 = c.uv1 - a.uv1;
+    VoxelFragment f;
+    f.voxel = voxel;
+    // A fragment of this projection stands for 1 / |n_axis| of area. Weighting by |n_axis|² makes the three
+    // projections one estimate of the area: sum of n_axis² is 1.
+    f.share = abs(normal.z) / t.doubled_area;
+    f.uv0 = weights.x * a.uv0 + weights.y * b.uv0 + weights.z * c.uv0;
+    f.uv1 = weights.x * a.uv1 + weights.y * b.uv1 + weights.z * c.uv1;
+    f.color = weights.x * a.color + weights.y * b.color + weights.z * c.color;
+    f.uv_per_voxel = sqrt(abs(vec2(d0.x * e0.y - d0.y * e0.x, d1.x * e1.y - d1.y * e1.x)) / t.doubled_area);
+    f.facing = t.normal / t.doubled_area * instance_handedness(t.instance);
+    keep_fragment(f);
+}
