@@ -1,5 +1,6 @@
-// The functions of one device that lumo and its benchmarks call. They are in no global variable: two devices, of two loaders, have
-// two tables, and no name of theirs meets the functions of a Vulkan library that a host program links.
+// The functions of one device that lumo and its benchmarks call. They are in no global variable: two devices, of
+// two loaders, have two tables, and no name of theirs meets the functions of a Vulkan library that a host program
+// links.
 #pragma once
 
 #include <vulkan/vulkan.h>
