@@ -46,6 +46,7 @@ class Octree {
     /// Texels of any volume over the list.
     rhi::Extent cell_extent() const { return cell_extent_; }
     rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> nodes() const;
+    const rhi::Texture& node_texture() const { return nodes_; }  ///< rg32_uint, a mip a level
     rhi::BufferSlice records() const { return records_.slice(); }
     /// Per voxel of the list its x, y and z, 10 bits each; 4 bytes where list_voxels is not set.
     rhi::BufferSlice voxels() const { return voxels_.slice(); }
