@@ -21,6 +21,8 @@ Result<int> run(const Options& options) {
             return diff(options);
         case Command::devices:
             return devices(options);
+        case Command::bench:
+            return bench(options);
         case Command::version:
             break;
     }

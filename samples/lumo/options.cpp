@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "samples/lumo/bench/bench.hpp"
 #include "samples/lumo/values.hpp"
 #include "scene/builtin/builtin.hpp"
 #include "scene/file.hpp"
@@ -25,10 +26,11 @@ constexpr uint64_t largest_config = uint64_t(1) << 20;  // bytes
 constexpr uint32_t most_frames = 1'000'000;
 
 using NamedCommand = std::pair<std::string_view, Command>;
-constexpr std::array<NamedCommand, 4> commands{{{"render", Command::render},
+constexpr std::array<NamedCommand, 5> commands{{{"render", Command::render},
                                                 {"check", Command::check},
                                                 {"diff", Command::diff},
-                                                {"devices", Command::devices}}};
+                                                {"devices", Command::devices},
+                                                {"bench", Command::bench}}};
 
 std::string available(auto&& names) { return fmt::format("available: {}", fmt::join(names, ", ")); }
 
@@ -175,8 +177,8 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
     return all;
 }
 
-/// What a picture depends on beside.
-SettingOptions add_picture_settings(CLI::App& app, Options& options) {
+/// What draws, and what it sees of the scene. `apis`: those that are used where none is given.
+SettingOptions add_view_settings(CLI::App& app, Options& options, const std::string& apis) {
     SettingOptions all;
     const auto setting = [&](const std::string& name, const std::string& type, const std::string& standard,
                              const std::string& help, const auto& parse) {
@@ -185,7 +187,7 @@ SettingOptions add_picture_settings(CLI::App& app, Options& options) {
     frame::Settings& frame = options.frame;
 
     setting(
-        "--api", "vulkan|gl|both", "", "the first that works, if not given",
+        "--api", "vulkan|gl|both", "", apis + ", if not given",
         one_of<ApiChoice>(&options.api,
                           {{"vulkan", ApiChoice::vulkan}, {"gl", ApiChoice::gl}, {"both", ApiChoice::both}}));
     setting("--device", "NAME", "", "a part of the device's name",
@@ -200,6 +202,18 @@ SettingOptions add_picture_settings(CLI::App& app, Options& options) {
         "position, target and vertical angle in degrees, or the name or index of the scene's; up is +Y, or "
         "-Z when looking straight along Y",
         into(options.camera, parse_camera));
+    return all;
+}
+
+/// What a picture depends on beside.
+SettingOptions add_picture_settings(CLI::App& app, Options& options) {
+    SettingOptions all = add_view_settings(app, options, "the first that works");
+    const auto setting = [&](const std::string& name, const std::string& type, const std::string& standard,
+                             const std::string& help, const auto& parse) {
+        all.emplace_back(name.substr(2), add(app, name, type, standard, help, parse));
+    };
+    frame::Settings& frame = options.frame;
+
     setting("--exposure", "STOPS", fmt::format("{}", frame.post.exposure), "of display-referred pictures",
             into(frame.post.exposure, parse_exposure));
     std::vector<std::pair<std::string, post::Tonemap>> curves;
@@ -368,6 +382,30 @@ void add_devices(CLI::App& app, Options& options) {
         "  lumo devices --json");
 }
 
+SettingOptions add_bench(CLI::App& app, Options& options) {
+    std::vector<std::pair<std::string, std::string>> names;
+    std::string known;
+    for (const Benchmark& benchmark : benchmarks()) {
+        names.emplace_back(benchmark.name, benchmark.name);
+        known += fmt::format("{}{}: {}", known.empty() ? "" : "\n", benchmark.name,
+                             wrapped(std::string(benchmark.does)));
+    }
+    add(app, "NAME", "", "", one_of<std::string>(&options.benchmark, names))->description(known)->required();
+    SettingOptions settings = add_scene_settings(app, options);
+    std::ranges::copy(add_view_settings(app, options, "each that works"), std::back_inserter(settings));
+    add(app, "--runs", "N", fmt::to_string(options.runs), "figures are medians of so many",
+        [&](const std::string& text) -> Result<void> {
+            return parse_integer(text, 1, 1000).map([&](uint32_t count) { options.runs = count; });
+        });
+    add_flag(app, "--json", options.json, "machine-readable output");
+    add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
+    app.footer(
+        "Examples:\n"
+        "  lumo bench rhi\n"
+        "  lumo bench rhi --api vulkan --runs 9 --json");
+    return settings;
+}
+
 }  // namespace
 
 tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) {
@@ -389,6 +427,9 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
         options);
     add_diff(*app.add_subcommand("diff", "Compares two pictures."), options);
     add_devices(*app.add_subcommand("devices", "Lists the devices that each API finds."), options);
+
+    const SettingOptions bench_settings =
+        add_bench(*app.add_subcommand("bench", "Measures what is to be fast."), options);
 
     const auto is_command = [](std::string_view name) {
         return std::ranges::find(commands, name, &NamedCommand::first) != commands.end();
@@ -427,7 +468,9 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
         if (const Result<void> done = read_config(config, render_settings); !done)
             return refuse(to_string(done.error()));
     }
-    options.settings = collect(options.command == Command::check ? check_settings : render_settings);
+    options.settings = collect(options.command == Command::check   ? check_settings
+                               : options.command == Command::bench ? bench_settings
+                                                                   : render_settings);
     return options;
 }
 

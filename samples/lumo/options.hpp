@@ -22,7 +22,7 @@ enum ExitCode : int {
     exit_failed = 2,
 };
 
-enum class Command : uint8_t { render, check, diff, devices, version };
+enum class Command : uint8_t { render, check, diff, devices, bench, version };
 enum class ApiChoice : uint8_t { first, vulkan, gl, both };
 enum class ParityChoice : uint8_t { mesa, hardware };
 
@@ -70,6 +70,9 @@ struct Options {
 
     std::filesystem::path first = {}, second = {};  ///< of diff
     ParityChoice parity = ParityChoice::mesa;
+
+    std::string benchmark = {};
+    uint32_t runs = 5;  ///< of a benchmark: its figures are medians of so many
 };
 
 /// A command line that asks for no work, or for something that there is not.
