@@ -9,7 +9,6 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <string_view>
 
 #include "rhi/rhi.hpp"
 #include "scene/gpu_scene.hpp"
@@ -21,18 +20,14 @@
 #include "shaders/voxels/voxelize_large.hpp"
 #include "shaders/voxels/voxelize_small.hpp"
 #include "techniques/voxels/light_volume.hpp"
+#include "techniques/voxels/voxelizer.hpp"
 
 namespace lumo::voxels {
-
-/// Who finds the columns that a triangle covers. Both follow one rule, and differ at most where a column's centre line
-/// lies on an edge, to within 1/256 of a voxel.
-enum class Voxelizer : uint8_t { raster, compute };
-std::string_view to_string(Voxelizer voxelizer);
 
 struct Settings {
     uint32_t resolution = 128;  ///< voxels a side, a power of two, 16 to 1024
     MipKind mips = MipKind::anisotropic;
-    Voxelizer voxelizer = Voxelizer::compute;
+    VoxelizerKind voxelizer = VoxelizerKind::compute;
 };
 
 /// What the scene needs of the volume; nothing else is made.
@@ -45,16 +40,6 @@ struct Needs {
     bool wide_range = false;   ///< radiance needs more than 8 bits
     uint64_t triangles = 0;    ///< most that voxelize() is given, instances counted
     uint32_t draws = 0;        ///< most that voxelize() is given
-};
-
-/// Triangles of all draws, instances counted.
-uint64_t count_triangles(const scene::GeometryView& geometry);
-
-/// Where the grid lies: a cube around the scene's bounds, world space.
-struct Grid {
-    glm::vec3 origin{0};   ///< corner, metres
-    float voxel_size = 1;  ///< metres
-    uint32_t resolution = 128;
 };
 
 /// The smallest grid that holds the bounds with half a voxel around them, so that walls on the bounds lie
@@ -78,6 +63,19 @@ struct View {
     LightVolumeView emission;  ///< the radiance again where nothing emits
     float radiance_unit = 1;
     float emission_unit = 1;
+};
+
+/// Where voxelizers add: the accumulator of every voxel of the grid.
+struct DenseSums {
+    using Raster = shaders::voxels::voxelize;
+    using Small = shaders::voxels::voxelize_small;
+    using Large = shaders::voxels::voxelize_large;
+
+    Raster::Bindings raster(const DrawSources& draw) const;
+    template <class P>
+    typename P::Bindings compute(const DrawSources& draw, const LargeTriangles& large) const;
+
+    rhi::View<rhi::Dimension::d3> sums;
 };
 
 class Volume {
@@ -107,11 +105,6 @@ class Volume {
   private:
     Result<void> create_textures(rhi::Device& device);
     Result<void> create_pipelines(rhi::Device& device);
-    void sum(rhi::Commands& commands, const scene::GeometryView& geometry, bool emission);
-    void sum_by_raster(rhi::Commands& commands, const scene::GeometryView& geometry, bool emission);
-    void sum_by_compute(rhi::Commands& commands, const scene::GeometryView& geometry, bool emission);
-    template <rhi::Program P>
-    typename P::Push push_of(const scene::DrawView& draw, uint32_t index, uint32_t first_triangle) const;
 
     Settings settings_;
     Needs needs_;
@@ -127,12 +120,8 @@ class Volume {
     LightVolume radiance_;
     LightVolume emission_;
 
-    /// By alpha test, then by what is summed: colour or emission.
-    rhi::RasterPipeline<shaders::voxels::voxelize> voxelize_[2][2];
-    rhi::ComputePipeline<shaders::voxels::voxelize_small> voxelize_small_[2][2];
-    rhi::ComputePipeline<shaders::voxels::voxelize_large> voxelize_large_[2][2];
-    rhi::Buffer large_arguments_;  ///< per draw, layout: shaders/voxels/large_list.glsl
-    rhi::Buffer large_list_;
+    Voxelizer<DenseSums> voxelize_;
+    Voxelizer<DenseSums> voxelize_emission_;
     rhi::ComputePipeline<shaders::voxels::resolve> resolve_;
     rhi::ComputePipeline<shaders::voxels::resolve_emission> resolve_emission_;
     rhi::ComputePipeline<shaders::voxels::light> light_;

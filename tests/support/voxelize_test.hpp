@@ -8,7 +8,7 @@
 
 namespace lumo::testing_support {
 
-using VoxelizeParam = std::tuple<rhi::Api, voxels::Voxelizer>;
+using VoxelizeParam = std::tuple<rhi::Api, voxels::VoxelizerKind>;
 
 class VoxelizeTest : public testing::TestWithParam<VoxelizeParam> {
   protected:
@@ -40,7 +40,7 @@ class VoxelizeTest : public testing::TestWithParam<VoxelizeParam> {
 
 inline const auto each_voxelizer =
     testing::Combine(testing::Values(rhi::Api::gl, rhi::Api::vulkan),
-                     testing::Values(voxels::Voxelizer::raster, voxels::Voxelizer::compute));
+                     testing::Values(voxels::VoxelizerKind::raster, voxels::VoxelizerKind::compute));
 
 inline std::string voxelizer_name(const testing::TestParamInfo<VoxelizeParam>& info) {
     return std::string(to_string(std::get<0>(info.param))) + "_" +

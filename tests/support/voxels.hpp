@@ -120,7 +120,7 @@ struct VoxelOptions {
     bool normals = false;
     bool wide_range = false;
     voxels::MipKind mips = voxels::MipKind::anisotropic;
-    voxels::Voxelizer voxelizer = voxels::Voxelizer::compute;
+    voxels::VoxelizerKind voxelizer = voxels::VoxelizerKind::compute;
 };
 
 /// The volume of a scene, ready to read.
