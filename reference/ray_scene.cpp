@@ -1,23 +1,18 @@
-// The only file that includes Embree.
 #include "reference/ray_scene.hpp"
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <glm/gtc/type_ptr.hpp>
 #include <vector>
 
+#include "reference/embree.hpp"
 #include "reference/sampler.hpp"
 #include "reference/surface.hpp"
 
 namespace lumo::reference {
 namespace {
 
-struct Release {
-    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-};
-using Device = std::unique_ptr<RTCDeviceTy, Release>;
-using Tree = std::unique_ptr<RTCSceneTy, Release>;
+using Device = std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)>;
+using Tree = std::unique_ptr<RTCSceneTy, decltype(&rtcReleaseScene)>;
 
 /// What the filter has to know of a geometry, its user data.
 struct Triangles {
@@ -70,8 +65,8 @@ RTCRay embree_ray(const Ray& ray) {
 }
 
 /// The first error since the last call; without a device, that of making one.
-Result<void> last_error(RTCDevice device) {
-    const RTCError error = rtcGetDeviceError(device);
+Result<void> last_error(const Embree& embree, RTCDevice device) {
+    const RTCError error = embree.get_device_error(device);
     if (error == RTC_ERROR_NONE) return {};
     if (error == RTC_ERROR_OUT_OF_MEMORY)
         return fail(ErrorKind::out_of_memory, "ray tracing", "out of memory",
@@ -83,10 +78,13 @@ Result<void> last_error(RTCDevice device) {
 }  // namespace
 
 struct RayScene::Impl {
-    Device device;
+    explicit Impl(const Embree& functions) : embree(functions) {}
+
+    Embree embree;
+    Device device{embree.new_device(nullptr), embree.release_device};
     std::vector<std::vector<Triangles>> triangles;  // by mesh and primitive
     std::vector<Tree> meshes;
-    Tree world;
+    Tree world{nullptr, embree.release_scene};
     bool translucent = false;
 
     Tree mesh_tree(const scene::Scene& scene, const scene::Mesh& mesh,
@@ -102,41 +100,42 @@ RayScene::~RayScene() = default;
 
 Tree RayScene::Impl::mesh_tree(const scene::Scene& scene, const scene::Mesh& mesh,
                                const std::vector<Triangles>& data) const {
-    Tree tree(rtcNewScene(device.get()));
-    rtcSetSceneFlags(tree.get(),
-                     RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+    Tree tree(embree.new_scene(device.get()), embree.release_scene);
+    embree.set_scene_flags(tree.get(),
+                           RTCSceneFlags(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
     for (size_t i = 0; i < mesh.primitives.size(); ++i) {
         const scene::Primitive& primitive = mesh.primitives[i];
         if (primitive.index_count == 0) continue;
-        RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                   scene.vertices.data(), 0, sizeof(scene::Vertex), scene.vertices.size());
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                   scene.indices.data() + primitive.first_index, 0, 3 * sizeof(uint32_t),
-                                   primitive.index_count / 3);
-        rtcSetGeometryUserData(geometry, const_cast<Triangles*>(&data[i]));  // only read
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(tree.get(), geometry, uint32_t(i));
-        rtcReleaseGeometry(geometry);
+        RTCGeometry geometry = embree.new_geometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+        embree.set_shared_geometry_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                          scene.vertices.data(), 0, sizeof(scene::Vertex),
+                                          scene.vertices.size());
+        embree.set_shared_geometry_buffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                          scene.indices.data() + primitive.first_index, 0,
+                                          3 * sizeof(uint32_t), primitive.index_count / 3);
+        embree.set_geometry_user_data(geometry, const_cast<Triangles*>(&data[i]));  // only read
+        embree.commit_geometry(geometry);
+        embree.attach_geometry_by_id(tree.get(), geometry, uint32_t(i));
+        embree.release_geometry(geometry);
     }
-    rtcCommitScene(tree.get());
+    embree.commit_scene(tree.get());
     return tree;
 }
 
 Tree RayScene::Impl::world_tree(const scene::Scene& scene) const {
-    Tree tree(rtcNewScene(device.get()));
-    rtcSetSceneFlags(tree.get(), RTC_SCENE_FLAG_ROBUST);
+    Tree tree(embree.new_scene(device.get()), embree.release_scene);
+    embree.set_scene_flags(tree.get(), RTC_SCENE_FLAG_ROBUST);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const scene::Instance& instance = scene.instances[i];
-        RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(geometry, meshes[instance.mesh].get());
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
-                                glm::value_ptr(instance.world_from_object));
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(tree.get(), geometry, uint32_t(i));
-        rtcReleaseGeometry(geometry);
+        RTCGeometry geometry = embree.new_geometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE);
+        embree.set_geometry_instanced_scene(geometry, meshes[instance.mesh].get());
+        embree.set_geometry_transform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
+                                      glm::value_ptr(instance.world_from_object));
+        embree.commit_geometry(geometry);
+        embree.attach_geometry_by_id(tree.get(), geometry, uint32_t(i));
+        embree.release_geometry(geometry);
     }
-    rtcCommitScene(tree.get());
+    embree.commit_scene(tree.get());
     return tree;
 }
 
@@ -148,9 +147,10 @@ Context RayScene::Impl::context(Faces faces, uint32_t seed) const {
 }
 
 Result<RayScene> RayScene::create(const scene::Scene& scene) {
-    auto impl = std::make_unique<Impl>();
-    impl->device.reset(rtcNewDevice(nullptr));
-    if (!impl->device) return tl::unexpected(last_error(nullptr).error());
+    const Result<Embree> embree = load_embree();
+    if (!embree) return tl::unexpected(embree.error());
+    auto impl = std::make_unique<Impl>(*embree);
+    if (!impl->device) return tl::unexpected(last_error(*embree, nullptr).error());
     for (const scene::Material& material : scene.materials)
         impl->translucent |= material.alpha_mode != scene::AlphaMode::opaque;
     for (const scene::Mesh& mesh : scene.meshes) {
@@ -159,7 +159,7 @@ Result<RayScene> RayScene::create(const scene::Scene& scene) {
         impl->meshes.push_back(impl->mesh_tree(scene, mesh, data));
     }
     impl->world = impl->world_tree(scene);
-    if (Result<void> built = last_error(impl->device.get()); !built)
+    if (Result<void> built = last_error(*embree, impl->device.get()); !built)
         return tl::unexpected(std::move(built.error()));
     return RayScene(std::move(impl));
 }
@@ -168,7 +168,7 @@ std::optional<Hit> RayScene::intersect(const Ray& ray, Faces faces, uint32_t see
     Context context = impl_->context(faces, seed);
     RTCRayHit result{.ray = embree_ray(ray), .hit = {}};
     result.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(impl_->world.get(), &context.embree, &result);
+    impl_->embree.intersect1(impl_->world.get(), &context.embree, &result);
     if (result.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
     return Hit{.instance = result.hit.instID[0],
                .primitive = result.hit.geomID,
@@ -179,7 +179,7 @@ std::optional<Hit> RayScene::intersect(const Ray& ray, Faces faces, uint32_t see
 bool RayScene::occluded(const Ray& ray, uint32_t seed) const {
     Context context = impl_->context(Faces::both, seed);
     RTCRay result = embree_ray(ray);
-    rtcOccluded1(impl_->world.get(), &context.embree, &result);
+    impl_->embree.occluded1(impl_->world.get(), &context.embree, &result);
     return result.tfar < 0;
 }
 

@@ -36,7 +36,7 @@ enum class Faces : uint8_t {
 /// a probability of its opacity, decided by the ray's seed: the mean over many seeds is the blend.
 class RayScene {
   public:
-    /// `scene` outlives the result. Errors: out_of_memory, unsupported (this processor).
+    /// `scene` outlives the result. Errors: out_of_memory, unsupported (this processor, or no Embree).
     static Result<RayScene> create(const scene::Scene& scene);
 
     RayScene(RayScene&&) noexcept;
