@@ -1,7 +1,8 @@
 // Irradiance by cones through the voxels (Crassin et al. 2011, Interactive Indirect Illumination Using Voxel Cone
-// Tracing). Include once per program; takes bindings gather_binding to gather_binding + 4.
+// Tracing). Include once per program; takes bindings gather_binding to gather_binding + 5.
 #include "common/constants.glsl"
 #include "common/voxel_grid.glsl"
+#include "cones/emitter_block.glsl"
 #include "voxels/sample.glsl"
 
 layout(constant_id = 20) const bool gather_reflected = true;     // the radiance volume's light, not its opacity alone
@@ -26,6 +27,7 @@ layout(binding = gather_binding + 4, std140) uniform Gather {
     float resolution;        // voxels a side
     vec4 cones[max_cones];   // xyz: direction about +z; w: share of the irradiance of a constant environment
 } gather;
+layout(binding = gather_binding + 5, std140) uniform Emitters { EMITTER_BLOCK } emitters;
 
 // The trilinear filter reaches a whole voxel to each side: voxels of half the cone's diameter keep it inside the cone,
 // and so off the surface that the cone starts from.
@@ -52,8 +54,8 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
         vec4 stored = sample_volume(voxel_radiance, voxel_radiance_directions, uvw, facing, lod, gather.resolution);
         if (stored.a > 0.0) {
             vec3 leaving = gather_reflected ? stored.rgb * gather.radiance_unit : vec3(0);
-            if (gather_emission) {
-                leaving += sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod,
+            if (gather_emission && emitters.share < 1.0) {
+                leaving += (1.0 - emitters.share) * sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod,
                                          gather.resolution).rgb *
                            gather.emission_unit;
             }
@@ -67,6 +69,71 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
     }
     if (gather_environment && transmittance >= min_transmittance) radiance += transmittance * gather.environment;
     return radiance;
+}
+
+const float lift = 1.5;
+
+// Opacity in the direction of some axis; 0 only where a level has nothing.
+float opacity_at(vec3 position, int level) {
+    vec3 uvw = position / gather.resolution;
+    if (level == 0 || !anisotropic) return textureLod(voxel_radiance, uvw, float(level)).a;
+    uvw.x = clamp(uvw.x, exp2(float(level)) / gather.resolution, 1.0 - exp2(float(level)) / gather.resolution) / 6.0;
+    return textureLod(voxel_radiance_directions, uvw, float(level - 1)).a;
+}
+
+// The part of the light between two points that nothing stops. In grid space.
+float trace_visibility(vec3 from, vec3 to) {
+    vec3 path = to - from;
+    float length = sqrt(dot(path, path));
+    vec3 direction = path / max(length, 1e-6);
+    float widest = max(abs(direction.x), max(abs(direction.y), abs(direction.z)));
+    float transmittance = 1.0;
+    float distance = 0.5;
+    int level = 0;
+    while (transmittance >= min_transmittance && distance < length) {
+        float opacity = opacity_at(from + direction * distance, level);
+        if (opacity == 0.0) {
+            // At least half a voxel of the level is empty on each side; the finest filter reaches half a voxel over it.
+            distance += max(0.5 * exp2(float(level)) - 0.5, 1.0) / widest;
+            level = min(level + 1, 4);
+        } else if (level > 0) {
+            level -= 1;
+        } else {
+            transmittance *= max(1.0 - opacity, 0.0);
+            distance += 1.0;
+        }
+    }
+    return transmittance < min_transmittance ? 0.0 : transmittance;
+}
+
+// Irradiance on a surface from the emitters that are lit by one by one, W/m². As gather_irradiance.
+vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
+    vec3 sum = vec3(0);
+    for (int i = 0; i < emitters.count; ++i) {
+        EmitterCell emitter = emitters.data[i];
+        vec3 path = emitter.position_spread.xyz - position;
+        float squared = max(dot(path, path), 1e-6);
+        vec3 direction = path * inversesqrt(squared);
+        float spread = emitter.position_spread.w;
+        float flatness = length(emitter.normal.xyz);
+        // Of a disk, the mean squared distance from its centre is half the square of its radius.
+        float radius = sqrt(2.0 * spread);
+        // What of it lies above the horizon, times the cosine there, of a sphere.
+        float cosine = dot(normal, direction);
+        float sine = min(radius * inversesqrt(squared), 1.0);
+        if (abs(cosine) < sine) cosine = (cosine + sine) * (cosine + sine) / (4.0 * sine);
+        // Flat surfaces show themselves by the cosine, closed ones a quarter of their area to every side. Where a voxel's
+        // surface lies in it is not known: what is not clearly in front of the plane is in it.
+        float front = -dot(emitter.normal.xyz, path);
+        float shown = front * smoothstep(0.5, 1.5, front) * inversesqrt(squared) + 0.25 * (1.0 - flatness);
+        float form = shown * max(cosine, 0.0) / max(squared + 2.0 * spread * flatness, spread);
+        if (form > 0.0) {
+            sum += emitter.flux.rgb * form *
+                   trace_visibility(position + lift * geometric_normal,
+                                    emitter.position_spread.xyz + lift * emitter.normal.xyz);
+        }
+    }
+    return sum;
 }
 
 // Two unit vectors that make a right-handed frame with a unit normal (Duff et al. 2017, Building an Orthonormal
@@ -85,10 +152,13 @@ vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
     vec3 origin = position + geometric_normal;
     mat3 frame = frame_about(normal);
     vec3 sum = vec3(0);
-    for (int i = 0; i < gather.cone_count; ++i) {
+    bool light = gather_reflected || gather_environment || (gather_emission && emitters.share < 1.0);
+    for (int i = 0; light && i < gather.cone_count; ++i) {
         sum += gather.cones[i].w * trace_cone(origin, frame * gather.cones[i].xyz, gather.tan_half_aperture, 1.0);
     }
-    return pi * sum;
+    sum *= pi;
+    if (gather_emission) sum += emitter_irradiance(position, geometric_normal, normal);
+    return sum;
 }
 
 vec3 gather_position(vec3 world) {

@@ -9,7 +9,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0) uniform sampler2D depth;
 layout(binding = 1) uniform sampler2D normal_roughness;
 layout(binding = 2) uniform sampler2D geometric_normal_occlusion;
-layout(binding = 9, rgba32f) writeonly uniform image2D irradiance;
+layout(binding = 10, rgba32f) writeonly uniform image2D irradiance;
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

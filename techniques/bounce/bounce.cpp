@@ -41,13 +41,12 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
     return made;
 }
 
-voxels::View Bounce::record(rhi::Commands& commands, const voxels::Volume& volume, glm::vec3 environment) {
-    voxels::View light = volume.view();
+voxels::View Bounce::record(rhi::Commands& commands, const voxels::Volume& volume, cones::Source source) {
     const uint32_t count = gathers(settings_, needs_);
+    const uint32_t blocks = volume.settings().resolution / 8;  // block_side of shaders/bounce/bounce.comp
     for (uint32_t i = 0; i < count; ++i) {
         const voxels::LightVolume& target = radiance_[i % 2];
-        const cones::Gather gather =
-            cones::make_gather(commands, distribution_, light, volume_sampler_, environment);
+        const cones::Gather gather = cones::make_gather(commands, distribution_, source, volume_sampler_);
         rhi::Pass pass = commands.pass("bounce");
         pass.dispatch(i == 0 && needs_.any_light() ? first_ : next_,
                       {.albedo = volume.albedo().mip<Dimension::d3>(0),
@@ -59,15 +58,16 @@ voxels::View Bounce::record(rhi::Commands& commands, const voxels::Volume& volum
                        .voxel_radiance_directions = gather.radiance_directions,
                        .voxel_emission = gather.emission,
                        .voxel_emission_directions = gather.emission_directions,
-                       .gather = gather.block},
+                       .gather = gather.block,
+                       .emitters = gather.emitters},
                       {.irradiance = volume.injected().irradiance,
                        .texel_voxel_faces = volume.injected().texel_voxel_faces,
                        .radiance_scale = volume.injected().radiance_scale},
-                      voxels::voxel_groups(volume.settings().resolution));
+                      {blocks, blocks, blocks});
         volume.mips().record(pass, target);
-        light.radiance = voxels::view_of(target);
+        source.volume.radiance = voxels::view_of(target);
     }
-    return light;
+    return source.volume;
 }
 
 }  // namespace lumo::bounce

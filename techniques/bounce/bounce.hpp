@@ -7,7 +7,7 @@
 
 #include "rhi/rhi.hpp"
 #include "shaders/bounce/bounce.hpp"
-#include "techniques/cones/distribution.hpp"
+#include "techniques/cones/gather.hpp"
 #include "techniques/voxels/voxels.hpp"
 
 namespace lumo::bounce {
@@ -39,9 +39,9 @@ class Bounce {
     static Result<Bounce> create(rhi::Device& device, const Settings& settings, const Needs& needs,
                                  const voxels::Settings& volume);
 
-    /// The light of `volume` after the injection, and what it became after all bounces: the same view with
-    /// another radiance. `environment` as in cones.
-    voxels::View record(rhi::Commands& commands, const voxels::Volume& volume, glm::vec3 environment);
+    /// What the light of `source`, which is that of `volume` after the injection, became after all bounces: the same
+    /// view with another radiance.
+    voxels::View record(rhi::Commands& commands, const voxels::Volume& volume, cones::Source source);
 
   private:
     Settings settings_;

@@ -39,8 +39,8 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
 }
 
 rhi::View<Dimension::d2> Irradiance::record(rhi::Commands& commands, const gbuffer::View& gbuffer,
-                                            const voxels::View& volume, glm::vec3 environment) {
-    const Gather gather = make_gather(commands, distribution_, volume, volume_sampler_, environment);
+                                            const Source& source) {
+    const Gather gather = make_gather(commands, distribution_, source, volume_sampler_);
     rhi::Pass pass = commands.pass("cones.irradiance");
     pass.dispatch(pipeline_,
                   {.depth = {gbuffer.depth, point_sampler_},
@@ -52,6 +52,7 @@ rhi::View<Dimension::d2> Irradiance::record(rhi::Commands& commands, const gbuff
                    .voxel_emission = gather.emission,
                    .voxel_emission_directions = gather.emission_directions,
                    .gather = gather.block,
+                   .emitters = gather.emitters,
                    .irradiance = irradiance_.view<Dimension::d2>()},
                   {}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
     return irradiance_.view<Dimension::d2>();

@@ -22,10 +22,9 @@ class Irradiance {
                                      rhi::Extent size);
 
     /// Irradiance of indirect light, W/m², over the hemisphere of each pixel's shading normal; 0 where
-    /// nothing was drawn. `environment` is the radiance from outside the grid, W/m²/sr. Returns rgba32_float,
-    /// a is 1.
+    /// nothing was drawn. Returns rgba32_float, a is 1.
     rhi::View<rhi::Dimension::d2> record(rhi::Commands& commands, const gbuffer::View& gbuffer,
-                                         const voxels::View& volume, glm::vec3 environment);
+                                         const Source& source);
 
     const Distribution& distribution() const { return distribution_; }
     /// The sampler that volumes are read through.

@@ -5,8 +5,8 @@
 namespace lumo::cones {
 namespace {
 
-GatherBlock gather_block(const Distribution& distribution, const voxels::View& volume,
-                         glm::vec3 environment) {
+GatherBlock gather_block(const Distribution& distribution, const Source& source) {
+    const voxels::View& volume = source.volume;
     GatherBlock block{};
     block.grid_origin = volume.grid.origin;
     block.voxels_per_metre = 1 / volume.grid.voxel_size;
@@ -14,7 +14,7 @@ GatherBlock gather_block(const Distribution& distribution, const voxels::View& v
     block.emission_unit = volume.emission_unit;
     block.cone_count = int32_t(distribution.cones.size());
     block.tan_half_aperture = std::tan(distribution.half_angle);
-    block.environment = environment;
+    block.environment = source.environment;
     block.resolution = float(volume.grid.resolution);
     for (size_t i = 0; i < distribution.cones.size(); ++i) {
         block.cones[i] = glm::vec4(distribution.cones[i].direction, distribution.cones[i].weight);
@@ -24,13 +24,15 @@ GatherBlock gather_block(const Distribution& distribution, const voxels::View& v
 
 }  // namespace
 
-Gather make_gather(rhi::Commands& commands, const Distribution& distribution, const voxels::View& volume,
-                   rhi::SamplerHandle volume_sampler, glm::vec3 environment) {
+Gather make_gather(rhi::Commands& commands, const Distribution& distribution, const Source& source,
+                   rhi::SamplerHandle volume_sampler) {
+    const voxels::View& volume = source.volume;
     return {.radiance = {volume.radiance.base, volume_sampler},
             .radiance_directions = {volume.radiance.directions, volume_sampler},
             .emission = {volume.emission.base, volume_sampler},
             .emission_directions = {volume.emission.directions, volume_sampler},
-            .block = commands.uniform(gather_block(distribution, volume, environment))};
+            .block = commands.uniform(gather_block(distribution, source)),
+            .emitters = source.emitters ? *source.emitters : commands.uniform(EmitterBlock{})};
 }
 
 }  // namespace lumo::cones

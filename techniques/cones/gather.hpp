@@ -2,9 +2,11 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 
 #include "shaders/cones/irradiance.hpp"
 #include "techniques/cones/distribution.hpp"
+#include "techniques/cones/emitters.hpp"
 #include "techniques/voxels/voxels.hpp"
 
 namespace lumo::cones {
@@ -25,12 +27,20 @@ struct Gather {
     rhi::Sampled<rhi::Dimension::d3> radiance_directions;
     rhi::Sampled<rhi::Dimension::d3> emission;
     rhi::Sampled<rhi::Dimension::d3> emission_directions;
-    rhi::UniformBuffer block;  ///< a GatherBlock
+    rhi::UniformBuffer block;     ///< a GatherBlock
+    rhi::UniformBuffer emitters;  ///< an EmitterBlock
 };
 
-/// For programs of this submission. `volume_sampler` filters linearly, mips too; `environment` is the radiance from
-/// outside the grid, W/m²/sr.
-Gather make_gather(rhi::Commands& commands, const Distribution& distribution, const voxels::View& volume,
-                   rhi::SamplerHandle volume_sampler, glm::vec3 environment);
+/// What cones gather from. `environment` is the radiance from outside the grid, W/m²/sr. `emitters` are the volume's;
+/// without them the cones of the distribution see all of its emission.
+struct Source {
+    voxels::View volume;
+    glm::vec3 environment{0};
+    std::optional<rhi::UniformBuffer> emitters = {};
+};
+
+/// For programs of this submission. `volume_sampler` filters linearly, mips too.
+Gather make_gather(rhi::Commands& commands, const Distribution& distribution, const Source& source,
+                   rhi::SamplerHandle volume_sampler);
 
 }  // namespace lumo::cones

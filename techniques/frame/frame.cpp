@@ -50,7 +50,7 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
                                             .draws = uint32_t(geometry.draws.size())}),
                     frame.volume_);
     }
-    if (made && emission) {
+    if (made && plan.needs("cones.emitters")) {
         made = keep(cones::Emitters::create(device, settings.voxels.resolution), frame.emitters_);
     }
     if (made && plan.needs("voxels.bounce")) {

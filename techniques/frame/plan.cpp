@@ -75,6 +75,8 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
            "voxels gather light from each other",
            gi ? "all light is the sun's, reflected once by injection" : no_gi);
     decide("cones", gi, fmt::format("{} cones a pixel", settings.cones.count), no_gi);
+    decide("cones.emitters", gi && facts.emission, "small emitters are lit by one by one",
+           gi ? "no material emits" : no_gi);
     decide("cones.environment", gi && facts.environment, "light comes from outside the scene",
            gi ? "the environment is black" : no_gi);
     decide("lighting", true, "every pixel has a radiance", "");

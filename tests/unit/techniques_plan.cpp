@@ -58,7 +58,8 @@ TEST(Plan, EmittersAlone) {
     const Plan plan = make_plan(facts, {});
     EXPECT_THAT(needed(plan),
                 UnorderedElementsAre("gbuffer", "gbuffer.emission", "voxels", "voxels.emission",
-                                     "voxels.bounce", "cones", "lighting", "lighting.specular", "post"));
+                                     "voxels.bounce", "cones", "cones.emitters", "lighting",
+                                     "lighting.specular", "post"));
     EXPECT_THAT(item(plan, "shadow").why, HasSubstr("no directional light"));
 }
 
