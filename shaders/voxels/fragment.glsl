@@ -2,8 +2,8 @@
 // what a destination needs:
 //   - MARKS, a binding: voxels are marked in an occupancy volume (voxels/occupancy.glsl), and nothing else is
 //     evaluated than whether the fragment is there;
-//   - or EMISSION_TEXTURE and SUMS, bindings, and before this file `ivec3 sum_cell(ivec3 voxel)`, which says where in
-//     the accumulator (voxels/accumulator.glsl) a voxel has its sums: the voxel itself in a dense volume.
+//   - or EMISSION_TEXTURE and SUMS, bindings, and those of voxels/octree_cells.glsl, which says where in the accumulator
+//     (voxels/accumulator.glsl) a voxel has its sums.
 
 #include "common/voxel_grid.glsl"
 #include "common/material.glsl"
@@ -44,13 +44,16 @@ void keep_fragment(VoxelFragment f) {
 }
 #else
 #include "voxels/accumulate.glsl"
+#include "voxels/octree_cells.glsl"
 
 layout(constant_id = 1) const bool emission = false;  // sums emission instead of base colour
 
 void keep_fragment(VoxelFragment f) {
     vec4 base = base_color_of(f);
     if (alpha_test && base.a < material.alpha_cutoff) return;
-    ivec3 cell = sum_cell(f.voxel);
+    ivec3 cell = cell_of_voxel(f.voxel);
+    // The octree has no room for it.
+    if (cell.x < 0) return;
     // At least 1, so that a fragment of any slope marks its voxel.
     float weight = max(floor(f.share * weight_unit + 0.5), 1.0);
     vec3 value = base.rgb;

@@ -1,5 +1,5 @@
-// Where the surfaces of an octree's occupied voxels are kept: a list, in volumes of cells_a_row x cells_a_row x n texels.
-// The includer defines OCTREE_NODES and OCTREE_RECORDS, bindings.
+// Where a voxel's surfaces are kept. In a dense volume a voxel is its own cell. In an octree there is a list of the
+// occupied voxels, in volumes of 256 x 256 x n cells. The includer defines OCTREE_NODES and OCTREE_RECORDS, bindings.
 #include "voxels/octree.glsl"
 
 // A node of level 0.
@@ -14,8 +14,8 @@ layout(binding = OCTREE_RECORDS, std430) readonly buffer Records { NodeRecord da
 
 ivec3 cell_of_place(uint place) { return ivec3(uvec3(place, place >> 8, place >> 16) & uvec3(255u, 255u, ~0u)); }
 
-// The voxel's cell; negative where the voxel is empty. The voxel lies inside the grid.
-ivec3 cell_of_voxel(ivec3 voxel) {
+// The octree's cell of a voxel; negative where the voxel is empty. The voxel lies inside the grid.
+ivec3 listed_cell(ivec3 voxel) {
     int slot = node_slot(octree_nodes, voxel >> 2, 0);
     ivec3 cell = ivec3(-1);
     if (slot >= 0) {
@@ -28,3 +28,6 @@ ivec3 cell_of_voxel(ivec3 voxel) {
     }
     return cell;
 }
+
+// As listed_cell, of either storage; an empty voxel of a dense volume has a cell too.
+ivec3 cell_of_voxel(ivec3 voxel) { return octree_levels > 0 ? listed_cell(voxel) : voxel; }

@@ -18,7 +18,7 @@ void main() {
         ivec3 voxel = node_of_bit(word, findLSB(rest)) * brick_voxels + texel;
         vec4 value = vec4(0);
         if (inside_grid(voxel, octree_side(0))) {
-            ivec3 cell = cell_of_voxel(voxel);
+            ivec3 cell = listed_cell(voxel);
             if (cell.x >= 0) value = texelFetch(cells, cell, 0);
         }
         imageStore(bricks, brick_texel(slot, 0) + texel, value);

@@ -10,16 +10,16 @@ layout(binding = 2, r8) readonly uniform image3D area;
 layout(binding = 3) writeonly uniform image3D emission;  // times opacity, in units of emission_scale
 
 void main() {
-    ivec3 voxel = ivec3(gl_GlobalInvocationID);
-    if (!inside_grid(voxel, imageSize(emission).x)) return;
+    ivec3 cell = ivec3(gl_GlobalInvocationID);
+    if (any(greaterThanEqual(cell, imageSize(emission)))) return;
 
-    float weight = float(imageLoad(sums, sum_texel(voxel, word_weight)).r);
+    float weight = float(imageLoad(sums, sum_texel(cell, word_weight)).r);
     vec3 mean = vec3(0);
     if (weight > 0.0) {
-        mean = vec3(imageLoad(sums, sum_texel(voxel, word_color)).r, imageLoad(sums, sum_texel(voxel, word_color + 1)).r,
-                    imageLoad(sums, sum_texel(voxel, word_color + 2)).r) / (weight * 255.0);
+        mean = vec3(imageLoad(sums, sum_texel(cell, word_color)).r, imageLoad(sums, sum_texel(cell, word_color + 1)).r,
+                    imageLoad(sums, sum_texel(cell, word_color + 2)).r) / (weight * 255.0);
         // The rest of the voxel's surface is dark.
-        mean *= min(weight / weight_unit / decode_area(imageLoad(area, voxel).r), 1.0);
+        mean *= min(weight / weight_unit / decode_area(imageLoad(area, cell).r), 1.0);
     }
-    imageStore(emission, voxel, vec4(mean, 1) * imageLoad(albedo, voxel).a);
+    imageStore(emission, cell, vec4(mean, 1) * imageLoad(albedo, cell).a);
 }

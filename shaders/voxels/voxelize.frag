@@ -1,4 +1,5 @@
 #define EMISSION_TEXTURE 5
 #define SUMS 6
-ivec3 sum_cell(ivec3 voxel) { return voxel; }
+#define OCTREE_NODES 7
+#define OCTREE_RECORDS 8
 #include "voxels/raster_fragment.glsl"

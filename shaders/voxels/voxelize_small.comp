@@ -2,5 +2,6 @@
 #define SUMS 6
 #define LARGE_ARGUMENTS 7
 #define LARGE_LIST 8
-ivec3 sum_cell(ivec3 voxel) { return voxel; }
+#define OCTREE_NODES 9
+#define OCTREE_RECORDS 10
 #include "voxels/small_triangles.glsl"

@@ -10,6 +10,21 @@ namespace lumo::voxels {
 
 using rhi::Dimension;
 
+Marks::Raster::Bindings Marks::raster(const DrawSources& draw) const {
+    return {.vertices = draw.vertices,
+            .indices = draw.indices,
+            .instances = draw.instances,
+            .material = draw.material,
+            .base_color_texture = draw.base_color_texture,
+            .marks = marks};
+}
+
+Result<Voxelizer<Marks>> create_marker(rhi::Device& device, VoxelizerKind kind, const VoxelizerNeeds& needs) {
+    return Voxelizer<Marks>::create(device, kind, needs, []<rhi::Program P>(bool alpha_test) {
+        return typename P::Options{.alpha_test = alpha_test};
+    });
+}
+
 uint32_t OctreeSize::coarse_nodes() const {
     return nodes.empty() ? 0 : std::accumulate(nodes.begin() + 1, nodes.end(), 0u);
 }

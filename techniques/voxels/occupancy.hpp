@@ -5,11 +5,39 @@
 #include <vector>
 
 #include "rhi/rhi.hpp"
+#include "shaders/voxels/mark.hpp"
+#include "shaders/voxels/mark_large.hpp"
+#include "shaders/voxels/mark_small.hpp"
 #include "shaders/voxels/octree_coarsen.hpp"
 #include "shaders/voxels/octree_nodes.hpp"
 #include "shaders/voxels/octree_scan.hpp"
+#include "techniques/voxels/voxelizer.hpp"
 
 namespace lumo::voxels {
+
+/// Where voxelizers set bits: Occupancy::marks.
+struct Marks {
+    using Raster = shaders::voxels::mark;
+    using Small = shaders::voxels::mark_small;
+    using Large = shaders::voxels::mark_large;
+
+    Raster::Bindings raster(const DrawSources& draw) const;
+    template <class P>
+    typename P::Bindings compute(const DrawSources& draw, const LargeTriangles& large) const {
+        return {.vertices = draw.vertices,
+                .indices = draw.indices,
+                .instances = draw.instances,
+                .material = draw.material,
+                .base_color_texture = draw.base_color_texture,
+                .marks = marks,
+                .large_arguments = large.arguments,
+                .large_list = large.list};
+    }
+
+    rhi::View<rhi::Dimension::d3> marks;
+};
+/// Errors: those of the device.
+Result<Voxelizer<Marks>> create_marker(rhi::Device& device, VoxelizerKind kind, const VoxelizerNeeds& needs);
 
 /// How large an octree is.
 struct OctreeSize {

@@ -14,21 +14,19 @@ using rhi::Format;
 /// sum_words of shaders/voxels/accumulator.glsl.
 uint32_t sum_words(const Needs& needs) { return 4 + (needs.normals ? 3 : 0) + (needs.translucent ? 1 : 0); }
 
-rhi::TextureDesc volume_desc(std::string name, Format format, uint32_t resolution) {
+rhi::TextureDesc volume_desc(std::string name, Format format, rhi::Extent extent) {
     return {.name = std::move(name),
             .dimension = Dimension::d3,
             .format = format,
-            .extent = {resolution, resolution, resolution},
+            .extent = extent,
             .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::storage};
 }
+
+constexpr auto every_draw = [](const scene::DrawView&) { return true; };
 
 float highest(glm::vec3 v) { return std::max({v.x, v.y, v.z}); }
 
 }  // namespace
-
-rhi::Groups voxel_groups(uint32_t resolution) {
-    return {rhi::groups_for(resolution, 8), rhi::groups_for(resolution, 4), rhi::groups_for(resolution, 4)};
-}
 
 Grid fit_grid(const scene::Bounds& bounds, uint32_t resolution) {
     if (bounds.empty()) return {.resolution = resolution};
@@ -40,18 +38,20 @@ Grid fit_grid(const scene::Bounds& bounds, uint32_t resolution) {
             .resolution = resolution};
 }
 
-DenseSums::Raster::Bindings DenseSums::raster(const DrawSources& draw) const {
+CellSums::Raster::Bindings CellSums::raster(const DrawSources& draw) const {
     return {.vertices = draw.vertices,
             .indices = draw.indices,
             .instances = draw.instances,
             .material = draw.material,
             .base_color_texture = draw.base_color_texture,
             .emission_texture = draw.emission_texture,
-            .sums = sums};
+            .sums = sums,
+            .octree_nodes = octree_nodes,
+            .records = records};
 }
 
 template <class P>
-typename P::Bindings DenseSums::compute(const DrawSources& draw, const LargeTriangles& large) const {
+typename P::Bindings CellSums::compute(const DrawSources& draw, const LargeTriangles& large) const {
     return {.vertices = draw.vertices,
             .indices = draw.indices,
             .instances = draw.instances,
@@ -60,14 +60,17 @@ typename P::Bindings DenseSums::compute(const DrawSources& draw, const LargeTria
             .emission_texture = draw.emission_texture,
             .sums = sums,
             .large_arguments = large.arguments,
-            .large_list = large.list};
+            .large_list = large.list,
+            .octree_nodes = octree_nodes,
+            .records = records};
 }
 
 Result<Volume> Volume::create(rhi::Device& device, const Settings& settings, const Needs& needs) {
     Volume volume;
     volume.settings_ = settings;
     volume.needs_ = needs;
-    return volume.create_textures(device)
+    return volume.create_octree(device)
+        .and_then([&] { return volume.create_textures(device); })
         .and_then([&] { return volume.create_pipelines(device); })
         .and_then([&] { return Mips::create(device, settings.mips); })
         .map([&](Mips mips) {
@@ -76,17 +79,53 @@ Result<Volume> Volume::create(rhi::Device& device, const Settings& settings, con
         });
 }
 
-Result<void> Volume::create_textures(rhi::Device& device) {
+Result<void> Volume::create_octree(rhi::Device& device) {
     const uint32_t resolution = settings_.resolution;
+    const auto keep = [](auto& place) { return [&place](auto made) { place = std::move(made); }; };
+    cells_ = {resolution, resolution, resolution};
+    Result<void> made = device
+                            .create_sampler({.magnification = rhi::FilterMode::nearest,
+                                             .minification = rhi::FilterMode::nearest})
+                            .map(keep(point_sampler_));
+    if (settings_.storage == Storage::dense) {
+        if (made) {
+            made = device.create_texture(volume_desc("voxels.no_nodes", Format::rg32_uint, {}))
+                       .map(keep(no_nodes_));
+        }
+        if (made) {
+            made = device.create_buffer({.name = "voxels.no_records", .size = 12}).map(keep(no_records_));
+        }
+        return made;
+    }
+    if (made) {
+        made = Octree::create(device,
+                              {.resolution = resolution,
+                               .mips = settings_.mips,
+                               .wide_range = needs_.wide_range,
+                               .list_voxels = needs_.normals},
+                              needs_.octree)
+                   .map(keep(octree_));
+    }
+    if (made) {
+        cells_ = octree_->cell_extent();
+        made = create_marker(
+                   device, settings_.voxelizer,
+                   {.alpha_mask = needs_.alpha_mask, .triangles = needs_.triangles, .draws = needs_.draws})
+                   .map(keep(mark_));
+    }
+    return made;
+}
+
+Result<void> Volume::create_textures(rhi::Device& device) {
     const uint32_t words = sum_words(needs_);
     const uint32_t widest = device.info().limits.max_texture_side_3d;
-    if (resolution * words > widest) {
+    if (cells_.width * words > widest) {
         return fail(ErrorKind::limit, "--voxels",
                     fmt::format("{} voxels a side need a volume {} texels wide, and this device's end at {}",
-                                resolution, resolution * words, widest),
-                    fmt::format("use at most {}", widest / words));
+                                settings_.resolution, cells_.width * words, widest),
+                    fmt::format("use at most {}, or --storage svo", widest / words));
     }
-    rhi::TextureDesc sums = volume_desc("voxels.sums", Format::r32_uint, resolution);
+    rhi::TextureDesc sums = volume_desc("voxels.sums", Format::r32_uint, cells_);
     sums.extent.width *= words;
 
     struct Wanted {
@@ -95,37 +134,61 @@ Result<void> Volume::create_textures(rhi::Device& device) {
     };
     const Wanted wanted[] = {
         {&sums_, std::move(sums)},
-        {&albedo_, volume_desc("voxels.albedo", Format::rgba8_unorm, resolution)},
-        {&area_, volume_desc("voxels.area", Format::r8_unorm, resolution)},
+        {&albedo_, volume_desc("voxels.albedo", Format::rgba8_unorm, cells_)},
+        {&area_, volume_desc("voxels.area", Format::r8_unorm, cells_)},
         // A program's bindings are all bound: one texel stands for a volume that this frame does without.
-        {&normal_, volume_desc("voxels.normal", Format::rgba8_unorm, needs_.normals ? resolution : 1)},
-        {&lit_texels_, volume_desc("voxels.lit_texels", Format::r32_uint, needs_.sunlight ? resolution : 1)},
+        {&normal_,
+         volume_desc("voxels.normal", Format::rgba8_unorm, needs_.normals ? cells_ : rhi::Extent{})},
+        {&lit_texels_,
+         volume_desc("voxels.lit_texels", Format::r32_uint, needs_.sunlight ? cells_ : rhi::Extent{})},
     };
     for (const Wanted& w : wanted) {
         Result<rhi::Texture> made = device.create_texture(w.desc);
         if (!made) return tl::unexpected(made.error());
         *w.texture = std::move(*made);
     }
-    const auto light = [&](const char* name, LightVolume& volume) {
-        return LightVolume::create(device, name, resolution, settings_.mips, needs_.wide_range)
-            .map([&](LightVolume made) { volume = std::move(made); });
-    };
-    Result<void> made = light("voxels.radiance", radiance_);
-    if (made && needs_.emission) made = light("voxels.emission", emission_);
+    const auto keep = [](LightVolume& place) { return [&](LightVolume made) { place = std::move(made); }; };
+    Result<void> made = create_light(device, "voxels.radiance").map(keep(radiance_));
+    if (made && needs_.emission) made = create_light(device, "voxels.emission").map(keep(emission_));
     return made;
 }
+
+Result<LightVolume> Volume::create_light(rhi::Device& device, const std::string& name) const {
+    if (octree_) return octree_->create_light(device, name);
+    return LightVolume::create(device, name, settings_.resolution, settings_.mips, needs_.wide_range);
+}
+
+rhi::View<Dimension::d3> Volume::light_cells(const LightVolume& light) const {
+    return (octree_ ? octree_->cells() : light.base).mip<Dimension::d3>(0);
+}
+
+void Volume::spread(rhi::Pass& pass, const LightVolume& light) const {
+    if (octree_) {
+        octree_->fill(pass, light);
+    } else {
+        mips_.record(pass, light);
+    }
+}
+
+rhi::Groups Volume::cell_groups() const {
+    return {rhi::groups_for(cells_.width, 8), rhi::groups_for(cells_.height, 4),
+            rhi::groups_for(cells_.depth, 4)};
+}
+
+rhi::BufferSlice Volume::voxel_list() const { return octree_ ? octree_->voxels() : no_records_.slice(); }
 
 Result<void> Volume::create_pipelines(rhi::Device& device) {
     const auto keep = [](auto& pipeline) { return [&pipeline](auto made) { pipeline = std::move(made); }; };
     const auto create_voxelizer = [&](bool emission, auto& place) {
-        return Voxelizer<DenseSums>::create(
+        return Voxelizer<CellSums>::create(
                    device, settings_.voxelizer,
                    {.alpha_mask = needs_.alpha_mask, .triangles = needs_.triangles, .draws = needs_.draws},
                    [&]<rhi::Program P>(bool alpha_test) {
                        return typename P::Options{.alpha_test = alpha_test,
                                                   .emission = emission,
                                                   .translucent = needs_.translucent,
-                                                  .normals = needs_.normals};
+                                                  .normals = needs_.normals,
+                                                  .octree_levels = octree_levels()};
                    })
             .map(keep(place));
     };
@@ -144,7 +207,8 @@ Result<void> Volume::create_pipelines(rhi::Device& device) {
                    .map(keep(resolve_emission_));
     }
     if (made && needs_.sunlight) {
-        made = device.create_compute_pipeline<shaders::voxels::light>().map(keep(light_));
+        made = device.create_compute_pipeline<shaders::voxels::light>({.octree_levels = octree_levels()})
+                   .map(keep(light_));
     }
     if (made) made = device.create_compute_pipeline<shaders::voxels::inject>().map(keep(inject_));
     return made;
@@ -157,17 +221,24 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
     const auto clear = [&](const char* name) {
         commands.pass(name).clear(sums_.view(), std::array<uint32_t, 4>{});
     };
-    const DenseSums destination{sums_.mip<Dimension::d3>(0)};
+    if (octree_) {
+        Occupancy& occupancy = octree_->occupancy();
+        occupancy.clear(commands);
+        mark_.record(commands, "octree.mark", geometry, grid_, Marks{occupancy.marks()}, 0, every_draw);
+        occupancy.record(commands);
+        octree_->index(commands);
+    }
+    const CellSums destination{
+        .sums = sums_.mip<Dimension::d3>(0), .octree_nodes = nodes(), .records = records()};
     clear("voxels.clear");
-    voxelize_.record(commands, "voxels.voxelize", geometry, grid_, destination, 0,
-                     [](const scene::DrawView&) { return true; });
+    voxelize_.record(commands, "voxels.voxelize", geometry, grid_, destination, 0, every_draw);
     commands.pass("voxels.resolve")
         .dispatch(resolve_,
                   {.sums = sums_.mip<Dimension::d3>(0),
                    .albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
                    .normal = normal_.mip<Dimension::d3>(0)},
-                  {}, voxel_groups(settings_.resolution));
+                  {}, cell_groups());
     if (!needs_.emission) return;
 
     clear("voxels.clear_emission");
@@ -178,9 +249,9 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
                   {.sums = sums_.mip<Dimension::d3>(0),
                    .albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
-                   .emission = emission_.base.mip<Dimension::d3>(0)},
-                  {}, voxel_groups(settings_.resolution));
-    mips_.record(pass, emission_);
+                   .emission = light_cells(emission_)},
+                  {}, cell_groups());
+    spread(pass, emission_);
 }
 
 void Volume::inject(rhi::Commands& commands, const SunLight* sun) {
@@ -199,7 +270,9 @@ void Volume::inject(rhi::Commands& commands, const SunLight* sun) {
         pass.dispatch(light_,
                       {.shadow_depth = sun->shadow_depth,
                        .area = area_.mip<Dimension::d3>(0),
-                       .lit_texels = lit_texels_.mip<Dimension::d3>(0)},
+                       .lit_texels = lit_texels_.mip<Dimension::d3>(0),
+                       .octree_nodes = nodes(),
+                       .records = records()},
                       {.world_from_light_clip = sun->world_from_light_clip,
                        .grid_origin = grid_.origin,
                        .voxels_per_metre = 1 / grid_.voxel_size,
@@ -211,17 +284,28 @@ void Volume::inject(rhi::Commands& commands, const SunLight* sun) {
                   {.albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
                    .lit_texels = lit_texels_.mip<Dimension::d3>(0),
-                   .radiance = radiance_.base.mip<Dimension::d3>(0)},
-                  injected_, voxel_groups(settings_.resolution));
-    mips_.record(pass, radiance_);
+                   .radiance = light_cells(radiance_)},
+                  injected_, cell_groups());
+    spread(pass, radiance_);
 }
+
+int32_t Volume::octree_levels() const { return octree_ ? int32_t(octree_->levels()) : 0; }
+
+rhi::Sampled<Dimension::d3, rhi::TexelKind::uint> Volume::nodes() const {
+    if (octree_) return octree_->nodes();
+    return {no_nodes_.view<Dimension::d3>(), point_sampler_};
+}
+
+rhi::BufferSlice Volume::records() const { return octree_ ? octree_->records() : no_records_.slice(); }
 
 View Volume::view() const {
     return {.grid = grid_,
             .radiance = view_of(radiance_),
             .emission = view_of(needs_.emission ? emission_ : radiance_),
             .radiance_unit = 1 / injected_.radiance_scale,
-            .emission_unit = emission_unit_};
+            .emission_unit = emission_unit_,
+            .nodes = nodes(),
+            .octree_levels = octree_levels()};
 }
 
 }  // namespace lumo::voxels

@@ -9,6 +9,8 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
+#include <string>
 
 #include "rhi/rhi.hpp"
 #include "scene/gpu_scene.hpp"
@@ -20,14 +22,19 @@
 #include "shaders/voxels/voxelize_large.hpp"
 #include "shaders/voxels/voxelize_small.hpp"
 #include "techniques/voxels/light_volume.hpp"
+#include "techniques/voxels/octree.hpp"
 #include "techniques/voxels/voxelizer.hpp"
 
 namespace lumo::voxels {
+
+/// How voxels are stored: every voxel of the grid, or those that hold something, in a sparse octree.
+enum class Storage : uint8_t { dense, octree };
 
 struct Settings {
     uint32_t resolution = 128;  ///< voxels a side, a power of two, 16 to 1024
     MipKind mips = MipKind::anisotropic;
     VoxelizerKind voxelizer = VoxelizerKind::compute;
+    Storage storage = Storage::dense;
 };
 
 /// What the scene needs of the volume; nothing else is made.
@@ -40,6 +47,7 @@ struct Needs {
     bool wide_range = false;   ///< radiance needs more than 8 bits
     uint64_t triangles = 0;    ///< most that voxelize() is given, instances counted
     uint32_t draws = 0;        ///< most that voxelize() is given
+    OctreeSize octree = {};    ///< room for an octree (count_octree); of a dense volume nothing is asked
 };
 
 /// The smallest grid that holds the bounds with half a voxel around them, so that walls on the bounds lie
@@ -63,10 +71,13 @@ struct View {
     LightVolumeView emission;  ///< the radiance again where nothing emits
     float radiance_unit = 1;
     float emission_unit = 1;
+    /// Of the octree that both lights are bricks of; of a dense volume, one texel that nothing reads.
+    rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> nodes;
+    int32_t octree_levels = 0;  ///< log2 of the resolution; 0: a dense volume
 };
 
-/// Where voxelizers add: the accumulator of every voxel of the grid.
-struct DenseSums {
+/// Where voxelizers add: the accumulators of all cells, a cell being a voxel of a dense volume, or of an octree's list.
+struct CellSums {
     using Raster = shaders::voxels::voxelize;
     using Small = shaders::voxels::voxelize_small;
     using Large = shaders::voxels::voxelize_large;
@@ -76,6 +87,8 @@ struct DenseSums {
     typename P::Bindings compute(const DrawSources& draw, const LargeTriangles& large) const;
 
     rhi::View<rhi::Dimension::d3> sums;
+    rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> octree_nodes;
+    rhi::StorageBuffer records;
 };
 
 class Volume {
@@ -94,17 +107,34 @@ class Volume {
     /// The sun as inject() was given it: irradiance, and a shadow texel's area in voxel faces.
     const shaders::voxels::inject::Push& injected() const { return injected_; }
 
+    /// Textures for light of this volume's voxels.
+    Result<LightVolume> create_light(rhi::Device& device, const std::string& name) const;
+    /// What a program that runs once per cell writes of such a light; spread() takes it from there.
+    rhi::View<rhi::Dimension::d3> light_cells(const LightVolume& light) const;
+    /// Every level of a light from its cells.
+    void spread(rhi::Pass& pass, const LightVolume& light) const;
+    /// Groups of 8 x 4 x 4 that cover the cells.
+    rhi::Groups cell_groups() const;
+    /// Where the cells' voxels are, as Octree::voxels; of a dense volume 4 bytes that nothing reads.
+    rhi::BufferSlice voxel_list() const;
+    /// None of a dense volume.
+    const Octree* octree() const { return octree_ ? &*octree_ : nullptr; }
+
+    // Surfaces, a texel a cell.
     const rhi::Texture& albedo() const { return albedo_; }  ///< rgba8_unorm; a: opacity, 0 where empty
     const rhi::Texture& area() const { return area_; }      ///< r8_unorm, encode_area of voxel_grid.glsl
     const rhi::Texture& normal() const { return normal_; }  ///< rgba8_unorm, mean normal * 0.5 + 0.5
     const rhi::Texture& lit_texels() const { return lit_texels_; }  ///< r32_uint
     const LightVolume& radiance() const { return radiance_; }
     const LightVolume& emission() const { return emission_; }  ///< empty where nothing emits
-    const Mips& mips() const { return mips_; }
 
   private:
+    Result<void> create_octree(rhi::Device& device);
     Result<void> create_textures(rhi::Device& device);
     Result<void> create_pipelines(rhi::Device& device);
+    int32_t octree_levels() const;
+    rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> nodes() const;
+    rhi::BufferSlice records() const;
 
     Settings settings_;
     Needs needs_;
@@ -112,6 +142,7 @@ class Volume {
     float emission_unit_ = 1;
     shaders::voxels::inject::Push injected_{};
 
+    rhi::Extent cells_;  ///< texels of the textures below
     rhi::Texture sums_;  ///< layout: shaders/voxels/accumulator.glsl
     rhi::Texture albedo_;
     rhi::Texture area_;
@@ -120,16 +151,20 @@ class Volume {
     LightVolume radiance_;
     LightVolume emission_;
 
-    Voxelizer<DenseSums> voxelize_;
-    Voxelizer<DenseSums> voxelize_emission_;
+    Voxelizer<CellSums> voxelize_;
+    Voxelizer<CellSums> voxelize_emission_;
     rhi::ComputePipeline<shaders::voxels::resolve> resolve_;
     rhi::ComputePipeline<shaders::voxels::resolve_emission> resolve_emission_;
     rhi::ComputePipeline<shaders::voxels::light> light_;
     rhi::ComputePipeline<shaders::voxels::inject> inject_;
     Mips mips_;
-};
 
-/// Groups of the programs that run once per voxel.
-rhi::Groups voxel_groups(uint32_t resolution);
+    std::optional<Octree> octree_;
+    Voxelizer<Marks> mark_;
+    // What a dense volume binds in place of an octree.
+    rhi::Texture no_nodes_;
+    rhi::Buffer no_records_;
+    rhi::Sampler point_sampler_;
+};
 
 }  // namespace lumo::voxels
