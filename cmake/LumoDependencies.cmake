@@ -16,7 +16,7 @@ pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
-find_package(OpenEXR REQUIRED)
+find_package(OpenEXR REQUIRED QUIET)  # else Debian's complains of a Python library that is not needed
 pkg_check_modules(openimageio IMPORTED_TARGET OpenImageIO)  # optional: further image formats
 find_package(SPIRV-Tools REQUIRED)
 find_package(SPIRV-Tools-opt REQUIRED)

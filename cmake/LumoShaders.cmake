@@ -1,10 +1,10 @@
 # lumo_shaders(NAME [ROOT folder] FILES stage files...): the static library lumo_NAME, alias lumo::NAME, of shader
-# programs and the C++ types that they are used through.
+# programs and the C++ types that they are used through. Also for projects that find_package(lumo).
 #
 # Stage files are ROOT/FOLDER/STEM.comp, or ROOT/FOLDER/STEM.vert with .geom or .frag or both; all files of one stem
 # are one program. Its type is lumo::shaders::FOLDER::STEM, in "shaders/FOLDER/STEM.hpp". ROOT is the current source
-# folder unless given; files are relative to it or absolute. #include "..." is searched in ROOT, then in the
-# project's shaders/. A FOLDER of another library's is to be avoided: the headers would have the same name.
+# folder unless given; files are relative to it or absolute. #include "..." is searched in ROOT, then in lumo's
+# shaders/. A FOLDER of another library's is to be avoided: the headers would have the same name.
 #
 # What tests need, for example, lies beside them:
 #   file(GLOB_RECURSE files CONFIGURE_DEPENDS shaders/*.comp)
@@ -33,9 +33,9 @@ function(lumo_shaders name)
         set(base ${output}/shaders/${program})
         add_custom_command(
             OUTPUT ${base}.cpp ${base}.hpp
-            COMMAND lumo_shaderc --root ${root} -I ${PROJECT_SOURCE_DIR}/shaders -o ${output}
+            COMMAND lumo::shaderc --root ${root} -I ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../shaders -o ${output}
                     --depfile ${base}.d ${files_of_${program}}
-            DEPENDS lumo_shaderc ${files_of_${program}}
+            DEPENDS lumo::shaderc ${files_of_${program}}
             DEPFILE ${base}.d
             COMMENT "Shader program ${program}"
             VERBATIM)
@@ -43,14 +43,21 @@ function(lumo_shaders name)
     endforeach()
 
     if(sources)
-        lumo_library(${name} SOURCES ${sources} LINK PUBLIC lumo::rhi_base glm::glm)
-        target_include_directories(lumo_${name} PUBLIC $<BUILD_INTERFACE:${output}>)
+        add_library(lumo_${name} STATIC ${sources})
+        target_link_libraries(lumo_${name} PUBLIC lumo::rhi_base glm::glm)
+        target_compile_features(lumo_${name} PUBLIC cxx_std_20)
+        target_include_directories(lumo_${name} PUBLIC $<BUILD_INTERFACE:${output}>
+                                                       $<INSTALL_INTERFACE:include/lumo>)
         # Else a vec3 would silently become a vec2, and a push constant of the wrong type would compile.
         target_compile_definitions(lumo_${name} PUBLIC GLM_FORCE_EXPLICIT_CTOR)
-        set_target_properties(lumo_${name} PROPERTIES CXX_CLANG_TIDY "")
+        set_target_properties(lumo_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON
+                                                      CXX_CLANG_TIDY "")
+        if(COMMAND lumo_warnings)
+            lumo_warnings(lumo_${name})
+        endif()
     else()
         add_library(lumo_${name} INTERFACE)
-        add_library(lumo::${name} ALIAS lumo_${name})
         target_link_libraries(lumo_${name} INTERFACE lumo::rhi_base glm::glm)
     endif()
+    add_library(lumo::${name} ALIAS lumo_${name})
 endfunction()
