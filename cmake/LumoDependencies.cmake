@@ -16,7 +16,9 @@ pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
-find_package(OpenEXR REQUIRED QUIET)  # else Debian's complains of a Python library that is not needed
+set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)  # Debian's configuration speaks of a Python library that nothing here needs
+find_package(OpenEXR REQUIRED)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
 pkg_check_modules(openimageio IMPORTED_TARGET OpenImageIO)  # optional: further image formats
 find_package(SPIRV-Tools REQUIRED)
 find_package(SPIRV-Tools-opt REQUIRED)
