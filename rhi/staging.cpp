@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 namespace lumo::rhi {
 namespace {
@@ -64,10 +65,11 @@ bool UploadRing::holds(const BufferSlice& slice, uint64_t serial) const {
 
 Result<Readback> ReadbackPool::open(uint64_t size, uint64_t serial) {
     // The smallest idle buffer that holds it, unless that would waste most of it.
+    const uint64_t rounded = align_up(size, 4096);
     auto best = idle_.end();
     const auto size_of = [&](BufferHandle buffer) { return resources_.find(buffer)->desc.size; };
     for (auto it = idle_.begin(); it != idle_.end(); ++it)
-        if (size_of(*it) >= size && size_of(*it) / 4 <= size &&
+        if (size_of(*it) >= size && size_of(*it) / 4 <= rounded &&
             (best == idle_.end() || size_of(*it) < size_of(*best)))
             best = it;
     BufferHandle buffer;
@@ -75,11 +77,9 @@ Result<Readback> ReadbackPool::open(uint64_t size, uint64_t serial) {
         buffer = *best;
         idle_.erase(best);
     } else {
-        auto made = resources_.create({.name = "readback",
-                                       .size = align_up(size, 4096),
-                                       .usage = BufferUsage::none,
-                                       .memory = Memory::readback},
-                                      true);
+        auto made = resources_.create(
+            {.name = "readback", .size = rounded, .usage = BufferUsage::none, .memory = Memory::readback},
+            true);
         if (!made) return tl::unexpected(made.error());
         buffer = *made;
     }
@@ -93,19 +93,19 @@ const ReadbackPool::Ticket* ReadbackPool::find(Readback readback) const {
 }
 
 void ReadbackPool::fail(uint64_t serial, const Error& error) {
-    for (auto& [id, ticket] : tickets_)
-        if (ticket.serial == serial) ticket.failure = error;
+    for (auto& [id, ticket] : tickets_) {
+        if (ticket.serial != serial) continue;
+        resources_.release(std::exchange(ticket.slice, {}).buffer, serial);
+        ticket.failure = error;
+    }
 }
 
 Result<std::vector<std::byte>> ReadbackPool::take(Readback readback) {
     const auto node = tickets_.extract(readback.id);
     const auto& [slice, serial, failure] = node.mapped();
+    if (failure) return tl::unexpected(*failure);
     const std::byte* mapped = resources_.find(slice.buffer)->mapped;
-    Result<std::vector<std::byte>> bytes;
-    if (failure)
-        bytes = tl::unexpected(*failure);
-    else
-        bytes->assign(mapped, mapped + slice.size);
+    std::vector<std::byte> bytes(mapped, mapped + slice.size);
 
     idle_.push_back(slice.buffer);
     uint64_t kept = 0;

@@ -46,7 +46,7 @@ class ReadbackPool {
     struct Ticket {
         BufferSlice slice;
         uint64_t serial = 0;
-        std::optional<Error> failure = {};  ///< of the submission: the bytes may not be there
+        std::optional<Error> failure = {};  ///< of the submission, instead of the bytes
     };
 
     /// Memory for `size` bytes that submission `serial` writes. Errors: out_of_memory.
@@ -55,7 +55,7 @@ class ReadbackPool {
     const Ticket* find(Readback readback) const;
     /// The bytes of a ticket whose submission is done, or its failure; the ticket is gone then.
     Result<std::vector<std::byte>> take(Readback readback);
-    /// Marks the tickets of a submission.
+    /// Gives back the memory of a submission's tickets, which the error takes the place of.
     void fail(uint64_t serial, const Error& error);
 
   private:

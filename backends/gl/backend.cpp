@@ -188,11 +188,21 @@ class GlBackend final : public rhi::Backend {
         context_->stop_listening();
     }
 
-    void begin_targets(const rhi::RasterTargets& targets);
+    /// False where something could not be made for the pass that is emitted; the first such error is its own.
+    template <class T>
+    bool is_made(const Result<T>& made) {
+        if (!made && refused_) refused_ = tl::unexpected(made.error());
+        return made.has_value();
+    }
+
+    bool begin_targets(const rhi::RasterTargets& targets);
     void end_targets(const rhi::RasterTargets& targets);
+    void blit(const Attachment& from, const rhi::Extent& from_extent, const Attachment& to,
+              const rhi::Extent& to_extent, GLenum filter);
     void put_barriers(std::span<const rhi::Barrier> barriers);
-    const Pipeline& bind(const rhi::PipelineBindings& what);
-    const Pipeline& bind_for_draw(const rhi::PipelineBindings& what);
+    /// Null where the command is to be left out.
+    const Pipeline* bind(const rhi::PipelineBindings& what);
+    const Pipeline* bind_for_draw(const rhi::PipelineBindings& what);
     void bind_indices(GLuint buffer);
 
     void run(const rhi::DispatchCommand& command);
@@ -220,6 +230,7 @@ class GlBackend final : public rhi::Backend {
     std::array<rhi::FormatCaps, rhi::format_count> caps_{};
     GLuint vertex_array_ = 0;
     GLuint indices_ = 0;              ///< bound to the vertex array
+    Result<void> refused_;            ///< of the pass that is emitted
     std::optional<bool> presenting_;  ///< with vsync or without; none: the submission shows nothing
 };
 
@@ -287,15 +298,18 @@ Result<void> GlBackend::emit(const rhi::EmittedPass& pass) {
     glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, GLsizei(pass.name.size()), pass.name.data());
     timeline_.begin_pass();
     put_barriers(pass.barriers);
-    if (pass.targets) begin_targets(*pass.targets);
-    for (const rhi::Step& step : pass.steps) {
-        put_barriers(step.barriers);
-        std::visit([this](const auto& command) { run(command); }, step.command);
+    refused_ = {};
+    if (!pass.targets || begin_targets(*pass.targets)) {
+        for (const rhi::Step& step : pass.steps) {
+            put_barriers(step.barriers);
+            std::visit([this](const auto& command) { run(command); }, step.command);
+        }
+        if (pass.targets) end_targets(*pass.targets);
     }
-    if (pass.targets) end_targets(*pass.targets);
     timeline_.end_pass();
     glPopDebugGroup();
-    return check_errors(pass.name);
+    const Result<void> driver = check_errors(pass.name);
+    return refused_ ? driver : refused_;
 }
 
 void GlBackend::put_barriers(std::span<const rhi::Barrier> barriers) {
@@ -306,13 +320,20 @@ void GlBackend::put_barriers(std::span<const rhi::Barrier> barriers) {
 
 // -- raster passes
 
-void GlBackend::begin_targets(const rhi::RasterTargets& targets) {
+bool GlBackend::begin_targets(const rhi::RasterTargets& targets) {
     std::vector<Attachment> color;
-    for (const rhi::ColorTarget& target : targets.color) color.push_back(resources_.attachment(target.view));
-    Attachment depth;
+    for (const rhi::ColorTarget& target : targets.color) {
+        const auto attachment = resources_.attachment(target.view);
+        if (!is_made(attachment)) return false;
+        color.push_back(*attachment);
+    }
+    Result<Attachment> depth;
     if (targets.depth) depth = resources_.attachment(targets.depth->view);
-    const GLuint framebuffer =
-        resources_.framebuffer(color, targets.depth ? &depth : nullptr, targets.extent, targets.samples);
+    if (!is_made(depth)) return false;
+    const auto made =
+        resources_.framebuffer(color, targets.depth ? &*depth : nullptr, targets.extent, targets.samples);
+    if (!is_made(made)) return false;
+    const GLuint framebuffer = *made;
     state_.framebuffer(framebuffer);
     state_.open_masks();
 
@@ -338,25 +359,33 @@ void GlBackend::begin_targets(const rhi::RasterTargets& targets) {
     }
 
     state_.viewport({0, 0, float(targets.extent.width), float(targets.extent.height)});
+    return true;
 }
 
 void GlBackend::end_targets(const rhi::RasterTargets& targets) {
     for (const rhi::ColorTarget& target : targets.color) {
         if (!target.resolve) continue;
-        const Attachment from = resources_.attachment(target.view),
-                         to = resources_.attachment(*target.resolve);
-        const GLuint source = resources_.framebuffer({&from, 1}, nullptr, {}, 1);
-        const GLuint destination = resources_.framebuffer({&to, 1}, nullptr, {}, 1);
-        const auto width = GLint(targets.extent.width), height = GLint(targets.extent.height);
-        state_.open_masks();
-        glBlitNamedFramebuffer(source, destination, 0, 0, width, height, 0, 0, width, height,
-                               GL_COLOR_BUFFER_BIT, GL_NEAREST);
+        const auto from = resources_.attachment(target.view), to = resources_.attachment(*target.resolve);
+        if (!is_made(from) || !is_made(to)) continue;
+        const rhi::Extent& extent = targets.extent;
+        blit(*from, extent, *to, extent, GL_NEAREST);
     }
+}
+
+void GlBackend::blit(const Attachment& from, const rhi::Extent& from_extent, const Attachment& to,
+                     const rhi::Extent& to_extent, GLenum filter) {
+    const auto source = resources_.framebuffer({&from, 1}, nullptr, {}, 1);
+    const auto destination = resources_.framebuffer({&to, 1}, nullptr, {}, 1);
+    if (!is_made(source) || !is_made(destination)) return;
+    state_.open_masks();
+    glBlitNamedFramebuffer(*source, *destination, 0, 0, GLint(from_extent.width), GLint(from_extent.height),
+                           0, 0, GLint(to_extent.width), GLint(to_extent.height), GL_COLOR_BUFFER_BIT,
+                           filter);
 }
 
 // -- shaders
 
-const Pipeline& GlBackend::bind(const rhi::PipelineBindings& what) {
+const Pipeline* GlBackend::bind(const rhi::PipelineBindings& what) {
     const Pipeline& pipeline = pipelines_[what.pipeline.index];
     state_.program(pipeline.program);
     for (size_t i = 0; i < what.bindings.size(); ++i) {
@@ -367,16 +396,21 @@ const Pipeline& GlBackend::bind(const rhi::PipelineBindings& what) {
                                GLsizeiptr(value.slice.size)};
         };
         switch (value.kind) {
-            case rhi::BindingKind::sampled:
-                state_.texture(slot, value.view.dimension, resources_.view(value.view),
-                               resources_.sampler(value.sampler));
+            case rhi::BindingKind::sampled: {
+                const auto view = resources_.view(value.view);
+                if (!is_made(view)) return nullptr;
+                state_.texture(slot, value.view.dimension, *view, resources_.sampler(value.sampler));
                 break;
-            case rhi::BindingKind::storage_image:
-                state_.image(slot, {.texture = resources_.view_of_all_mips(value.view),
+            }
+            case rhi::BindingKind::storage_image: {
+                const auto view = resources_.view_of_all_mips(value.view);
+                if (!is_made(view)) return nullptr;
+                state_.image(slot, {.texture = *view,
                                     .mip = GLint(value.view.first_mip),
                                     .access = access,
                                     .format = gl_format(value.view.format).internal});
                 break;
+            }
             case rhi::BindingKind::storage_buffer:
                 state_.storage(slot, range());
                 break;
@@ -386,13 +420,13 @@ const Pipeline& GlBackend::bind(const rhi::PipelineBindings& what) {
         }
     }
     if (!what.push.empty()) state_.uniform(rhi::gl_push_slot, ring_.put(what.push));
-    return pipeline;
+    return &pipeline;
 }
 
-const Pipeline& GlBackend::bind_for_draw(const rhi::PipelineBindings& what) {
-    const Pipeline& pipeline = bind(what);
+const Pipeline* GlBackend::bind_for_draw(const rhi::PipelineBindings& what) {
+    const Pipeline* pipeline = bind(what);
     state_.vertex_array(vertex_array_);
-    state_.raster(pipeline.raster);
+    if (pipeline) state_.raster(pipeline->raster);
     return pipeline;
 }
 
@@ -401,35 +435,38 @@ void GlBackend::bind_indices(GLuint buffer) {
 }
 
 void GlBackend::run(const rhi::DispatchCommand& command) {
-    bind(command.what);
+    if (!bind(command.what)) return;
     glDispatchCompute(command.x, command.y, command.z);
 }
 
 void GlBackend::run(const rhi::DispatchIndirectCommand& command) {
-    bind(command.what);
+    if (!bind(command.what)) return;
     state_.dispatch_indirect(resources_.buffer(command.arguments.buffer));
     glDispatchComputeIndirect(GLintptr(command.arguments.offset));
 }
 
 void GlBackend::run(const rhi::DrawCommand& command) {
-    const Pipeline& pipeline = bind_for_draw(command.what);
-    glDrawArraysInstanced(gl_topology(pipeline.raster.topology), GLint(command.first_vertex),
+    const Pipeline* pipeline = bind_for_draw(command.what);
+    if (!pipeline) return;
+    glDrawArraysInstanced(gl_topology(pipeline->raster.topology), GLint(command.first_vertex),
                           GLsizei(command.vertices), GLsizei(command.instances));
 }
 
 void GlBackend::run(const rhi::DrawIndexedCommand& command) {
-    const Pipeline& pipeline = bind_for_draw(command.what);
+    const Pipeline* pipeline = bind_for_draw(command.what);
+    if (!pipeline) return;
     bind_indices(resources_.buffer(command.indices.buffer));
     const uint64_t index_bytes = command.index_type == rhi::IndexType::uint16 ? 2 : 4;
-    glDrawElementsInstancedBaseVertex(gl_topology(pipeline.raster.topology), GLsizei(command.count),
+    glDrawElementsInstancedBaseVertex(gl_topology(pipeline->raster.topology), GLsizei(command.count),
                                       gl_index_type(command.index_type),
                                       as_pointer(command.indices.offset + command.first_index * index_bytes),
                                       GLsizei(command.instances), command.vertex_offset);
 }
 
 void GlBackend::run(const rhi::DrawIndirectCommand& command) {
-    const Pipeline& pipeline = bind_for_draw(command.what);
-    const GLenum topology = gl_topology(pipeline.raster.topology);
+    const Pipeline* pipeline = bind_for_draw(command.what);
+    if (!pipeline) return;
+    const GLenum topology = gl_topology(pipeline->raster.topology);
     state_.draw_indirect(resources_.buffer(command.arguments.buffer));
     const void* arguments = as_pointer(command.arguments.offset);
     if (!command.indices.buffer) {
@@ -527,12 +564,13 @@ void GlBackend::run(const rhi::ClearTextureCommand& command) {
         std::transform(color->begin(), color->begin() + 3, color->begin(), encode_srgb);
     }
     const ClearTexel texel = clear_texel(kind, value);
-    const GLuint name = resources_.view(view);
+    const auto name = resources_.view(view);
+    if (!is_made(name)) return;
     for (uint32_t mip = 0; mip < view.mips; ++mip) {
         const Box box =
             gl_box(view.dimension,
                    {.layers = view.layers, .extent = rhi::mip_extent(desc.extent, view.first_mip + mip)});
-        glClearTexSubImage(name, GLint(mip), 0, 0, 0, box.width, box.height, box.depth, texel.transfer,
+        glClearTexSubImage(*name, GLint(mip), 0, 0, 0, box.width, box.height, box.depth, texel.transfer,
                            texel.type, texel.data);
     }
 }
@@ -543,40 +581,38 @@ void GlBackend::run(const rhi::BlitMipCommand& command) {
     const auto mip = GLint(command.source_mip);
     if (desc.dimension == rhi::Dimension::d3) {
         // A blit knows no filter across slices.
-        glGenerateTextureMipmap(resources_.view({.texture = command.texture,
-                                                 .dimension = desc.dimension,
-                                                 .format = desc.format,
-                                                 .first_mip = command.source_mip,
-                                                 .mips = 2,
-                                                 .first_layer = 0,
-                                                 .layers = 1}));
+        const auto two = resources_.view({.texture = command.texture,
+                                          .dimension = desc.dimension,
+                                          .format = desc.format,
+                                          .first_mip = command.source_mip,
+                                          .mips = 2,
+                                          .first_layer = 0,
+                                          .layers = 1});
+        if (is_made(two)) glGenerateTextureMipmap(*two);
         return;
     }
     const rhi::Extent from = rhi::mip_extent(desc.extent, command.source_mip);
     const rhi::Extent to = rhi::mip_extent(desc.extent, command.source_mip + 1);
-    state_.open_masks();
     for (uint32_t layer = 0; layer < desc.layers; ++layer) {
         const GLint which = is_layered(desc.dimension) ? GLint(layer) : Attachment::all_layers;
         const Attachment above{texture.name, mip, which}, below{texture.name, mip + 1, which};
-        glBlitNamedFramebuffer(resources_.framebuffer({&above, 1}, nullptr, {}, 1),
-                               resources_.framebuffer({&below, 1}, nullptr, {}, 1), 0, 0, GLint(from.width),
-                               GLint(from.height), 0, 0, GLint(to.width), GLint(to.height),
-                               GL_COLOR_BUFFER_BIT, GL_LINEAR);
+        blit(above, from, below, to, GL_LINEAR);
     }
 }
 
 void GlBackend::run(const rhi::PresentCommand& command) {
     const rhi::Extent window = context_->surface()->size();
     if (window.width == 0 || window.height == 0) return;
-    presenting_ = command.vsync;
     const Texture& texture = resources_.texture(command.texture);
     const rhi::Extent& from = texture.desc.extent;
     const Attachment picture{texture.name};
-    const GLuint source = resources_.framebuffer({&picture, 1}, nullptr, {}, 1);
+    const auto source = resources_.framebuffer({&picture, 1}, nullptr, {}, 1);
+    if (!is_made(source)) return;
+    presenting_ = command.vsync;
     state_.open_masks();
     state_.framebuffer(0);      // bound, because Mesa notices a new size of the window's buffers only then
     state_.encode_srgb(false);  // texels as they are stored, neither decoded nor encoded
-    glBlitNamedFramebuffer(source, 0, 0, 0, GLint(from.width), GLint(from.height), 0, 0, GLint(window.width),
+    glBlitNamedFramebuffer(*source, 0, 0, 0, GLint(from.width), GLint(from.height), 0, 0, GLint(window.width),
                            GLint(window.height), GL_COLOR_BUFFER_BIT,
                            from == window ? GL_NEAREST : GL_LINEAR);
 }
@@ -595,8 +631,11 @@ namespace {
 
 Result<std::unique_ptr<rhi::Backend>> make_backend(std::unique_ptr<Context> context, bool disk_cache) {
     return PushRing::create(context->info().limits.uniform_alignment)
-        .map([&](PushRing ring) -> std::unique_ptr<rhi::Backend> {
-            return std::make_unique<GlBackend>(std::move(context), std::move(ring), disk_cache);
+        .and_then([&](PushRing ring) -> Result<std::unique_ptr<rhi::Backend>> {
+            const std::string device = context->info().name;
+            auto made = std::make_unique<GlBackend>(std::move(context), std::move(ring), disk_cache);
+            if (auto status = check_errors(device); !status) return tl::unexpected(status.error());
+            return made;
         });
 }
 

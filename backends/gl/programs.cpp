@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "backends/gl/resources.hpp"
+
 namespace lumo::backends::gl {
 namespace {
 
@@ -57,6 +59,11 @@ std::string read_log(GLuint name, GetNumber get_number, GetLog get_log) {
     return log;
 }
 
+tl::unexpected<Error> no_memory_for(const rhi::ProgramInfo& info) {
+    (void)check_errors(info.name);
+    return out_of_memory(info.name);
+}
+
 Result<void> attach_stage(GLuint program, const rhi::ProgramInfo& info, const rhi::StageInfo& stage,
                           const std::string& macros) {
     const size_t after_version = stage.glsl.find('\n') + 1;
@@ -65,6 +72,7 @@ Result<void> attach_stage(GLuint program, const rhi::ProgramInfo& info, const rh
                              GLint(stage.glsl.size() - after_version)};
     const GlStage kind = gl_stage(stage.stage);
     const GLuint shader = glCreateShader(kind.kind);
+    if (!shader) return no_memory_for(info);
     glShaderSource(shader, 3, texts, lengths);
     glCompileShader(shader);
     glAttachShader(program, shader);
@@ -72,6 +80,7 @@ Result<void> attach_stage(GLuint program, const rhi::ProgramInfo& info, const rh
     GLint compiled = GL_FALSE;
     glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
     if (compiled) return {};
+    if (auto status = check_errors(info.name); !status) return status;
     return fail(ErrorKind::shader, std::string(info.name),
                 fmt::format("the {} stage does not compile: {}", kind.name,
                             read_log(shader, glGetShaderiv, glGetShaderInfoLog)));
@@ -87,6 +96,7 @@ Result<void> link_stages(GLuint program, const rhi::ProgramInfo& info, std::span
     GLint linked = GL_FALSE;
     glGetProgramiv(program, GL_LINK_STATUS, &linked);
     if (linked) return {};
+    if (auto status = check_errors(info.name); !status) return status;
     return fail(ErrorKind::shader, std::string(info.name),
                 fmt::format("it does not link: {}", read_log(program, glGetProgramiv, glGetProgramInfoLog)));
 }
@@ -133,7 +143,9 @@ Result<GLuint> make_program(const rhi::ProgramInfo& info, std::span<const uint32
                             const rhi::DeviceInfo& device, const rhi::DiskCache& cache) {
     const rhi::CacheKey key = binary_key(info, options, device);
     const GLuint program = glCreateProgram();
+    if (!program) return no_memory_for(info);
     if (auto entry = cache.get(key); entry && load_binary(program, *entry)) return program;
+    (void)check_errors(info.name);  // of the binary, without which it works as well
     if (auto linked = link_stages(program, info, options); !linked) {
         glDeleteProgram(program);
         return tl::unexpected(linked.error());

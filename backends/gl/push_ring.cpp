@@ -13,12 +13,19 @@ Result<PushRing> PushRing::create(uint32_t alignment) {
     constexpr GLbitfield mapping = GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT | GL_MAP_WRITE_BIT;
     PushRing ring;
     ring.alignment_ = std::max<size_t>(alignment, 16);
+    const Silence silence;
     glCreateBuffers(1, &ring.buffer_);
     glNamedBufferStorage(ring.buffer_, parts * part_bytes, nullptr, mapping);
     ring.mapped_ =
         static_cast<std::byte*>(glMapNamedBufferRange(ring.buffer_, 0, parts * part_bytes, mapping));
+    auto status = check_errors("push constants");
+    if (status && !ring.mapped_) status = out_of_memory("push constants");
+    if (!status) {
+        ring.clear();
+        return tl::unexpected(status.error());
+    }
     label(GL_BUFFER, ring.buffer_, "push constants");
-    return check_errors("push constants").map([&] { return ring; });
+    return ring;
 }
 
 void PushRing::clear() {
@@ -36,6 +43,7 @@ BufferRange PushRing::put(std::span<const std::byte> bytes) {
     const size_t size = round_up(bytes.size(), 16);
     if (used_ + size > part_bytes) {
         fences_[part_] = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+        if (!fences_[part_]) glFinish();
         part_ = (part_ + 1) % parts;
         used_ = 0;
         if (GLsync fence = std::exchange(fences_[part_], nullptr)) {

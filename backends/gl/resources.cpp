@@ -31,20 +31,6 @@ uint64_t texture_bytes(const rhi::TextureDesc& desc) {
     return bytes * desc.samples;
 }
 
-/// While it lives the driver is silent: what fails then becomes an error value, and need not be said twice.
-class Silence {
-  public:
-    Silence() : spoke_(glIsEnabled(GL_DEBUG_OUTPUT)) { glDisable(GL_DEBUG_OUTPUT); }
-    Silence(const Silence&) = delete;
-    Silence& operator=(const Silence&) = delete;
-    ~Silence() {
-        if (spoke_) glEnable(GL_DEBUG_OUTPUT);
-    }
-
-  private:
-    bool spoke_;
-};
-
 void allocate(GLuint name, const rhi::TextureDesc& desc) {
     const GLenum internal = gl_format(desc.format).internal;
     const auto mips = GLsizei(desc.mips), samples = GLsizei(desc.samples);
@@ -113,22 +99,37 @@ void attach(GLuint framebuffer, GLenum point, const Attachment& attachment) {
 
 }  // namespace
 
+Silence::Silence() : spoke_(glIsEnabled(GL_DEBUG_OUTPUT)) { glDisable(GL_DEBUG_OUTPUT); }
+
+Silence::~Silence() {
+    if (spoke_) glEnable(GL_DEBUG_OUTPUT);
+}
+
 void label(GLenum kind, GLuint name, std::string_view text) {
     constexpr size_t longest = 255;  // what every driver takes
     if (!text.empty()) glObjectLabel(kind, name, GLsizei(std::min(text.size(), longest)), text.data());
 }
 
+tl::unexpected<Error> out_of_memory(std::string_view subject) {
+    return fail(ErrorKind::out_of_memory, std::string(subject), "the OpenGL driver is out of memory");
+}
+
+tl::unexpected<Error> context_lost() {
+    return fail(ErrorKind::device_lost, "OpenGL", "the driver reset the device", "make the device anew");
+}
+
 Result<void> check_errors(std::string_view subject) {
     const GLenum error = glGetError();
-    while (error != GL_NO_ERROR && glGetError() != GL_NO_ERROR && error != GL_CONTEXT_LOST) {
-    }
-    switch (error) {
+    // The first tells most, but a lost context, which may say so for ever, outdoes all.
+    GLenum last = error;
+    while (last != GL_NO_ERROR && last != GL_CONTEXT_LOST) last = glGetError();
+    switch (last == GL_CONTEXT_LOST ? last : error) {
         case GL_NO_ERROR:
             return {};
         case GL_OUT_OF_MEMORY:
-            return fail(ErrorKind::out_of_memory, std::string(subject), "the OpenGL driver is out of memory");
+            return out_of_memory(subject);
         case GL_CONTEXT_LOST:
-            return fail(ErrorKind::device_lost, std::string(subject), "the context was lost");
+            return context_lost();
         default:
             return fail(ErrorKind::unsupported, std::string(subject),
                         fmt::format("the OpenGL driver refuses it with error {:#x}", error));
@@ -150,7 +151,10 @@ Result<rhi::CreatedBuffer> Resources::create(rhi::BufferHandle handle, const rhi
     if (status && flags) {
         created.mapped =
             static_cast<std::byte*>(glMapNamedBufferRange(name, 0, GLsizeiptr(desc.size), flags));
-        if (!created.mapped) status = check_errors(desc.name);
+        if (!created.mapped) {
+            (void)check_errors(desc.name);
+            status = out_of_memory(desc.name);
+        }
     }
     if (!status) {
         glDeleteBuffers(1, &name);
@@ -196,6 +200,7 @@ Result<void> Resources::adopt(rhi::TextureHandle handle, const rhi::TextureDesc&
 
 Result<void> Resources::create(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) {
     static constexpr GLfloat borders[][4] = {{0, 0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1, 1}};
+    const Silence silence;
     GLuint name = 0;
     glCreateSamplers(1, &name);
     glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, gl_filter(desc.magnification));
@@ -208,8 +213,12 @@ Result<void> Resources::create(rhi::SamplerHandle handle, const rhi::SamplerDesc
     glSamplerParameterf(name, GL_TEXTURE_MAX_LOD, desc.max_lod);
     if (desc.max_anisotropy > 1)
         glSamplerParameterf(name, GL_TEXTURE_MAX_ANISOTROPY_EXT, desc.max_anisotropy);
+    if (auto status = check_errors("sampler"); !status) {
+        glDeleteSamplers(1, &name);
+        return status;
+    }
     slot(samplers_, handle.index) = name;
-    return check_errors("sampler");
+    return {};
 }
 
 void Resources::destroy(rhi::BufferHandle handle) { glDeleteBuffers(1, &buffers_[handle.index]); }
@@ -236,7 +245,7 @@ void Resources::clear() {
     framebuffers_.clear();
 }
 
-GLuint Resources::view(const rhi::TextureView& view) {
+Result<GLuint> Resources::view(const rhi::TextureView& view) {
     Texture& texture = textures_[view.texture.index];
     const rhi::TextureDesc& desc = texture.desc;
     if (view.dimension == desc.dimension && view.format == desc.format && view.first_mip == 0 &&
@@ -246,36 +255,44 @@ GLuint Resources::view(const rhi::TextureView& view) {
     auto found = std::ranges::find(texture.views, view, &Texture::View::range);
     if (found != texture.views.end()) return found->name;
 
+    const Silence silence;
     GLuint name = 0;
     glGenTextures(1, &name);
     glTextureView(name, gl_target(view.dimension), texture.name, gl_format(view.format).internal,
                   view.first_mip, view.mips, view.first_layer, view.layers);
+    if (auto status = check_errors(desc.name); !status) {
+        glDeleteTextures(1, &name);
+        status.error().message = "a view of it: " + status.error().message;
+        return tl::unexpected(status.error());
+    }
     label(GL_TEXTURE, name, desc.name);
     texture.views.push_back({view, name});
     return name;
 }
 
-GLuint Resources::view_of_all_mips(rhi::TextureView view) {
+Result<GLuint> Resources::view_of_all_mips(rhi::TextureView view) {
     view.first_mip = 0;
     view.mips = texture(view.texture).desc.mips;
     return this->view(view);
 }
 
-Attachment Resources::attachment(const rhi::TextureView& view) {
+Result<Attachment> Resources::attachment(const rhi::TextureView& view) {
     const rhi::TextureDesc& desc = texture(view.texture).desc;
-    if (view.layers > 1 || !is_layered(desc.dimension)) {
-        return {view_of_all_mips(view), GLint(view.first_mip), Attachment::all_layers};
+    const bool whole = view.layers > 1 || !is_layered(desc.dimension);
+    rhi::TextureView shown = view;
+    if (!whole) {  // one layer of many: attached alone, without a view for each
+        shown.dimension = desc.dimension;
+        shown.first_layer = 0;
+        shown.layers = desc.layers;
     }
-    // One layer of many: attached alone, without a view for each.
-    rhi::TextureView whole = view;
-    whole.dimension = desc.dimension;
-    whole.first_layer = 0;
-    whole.layers = desc.layers;
-    return {view_of_all_mips(whole), GLint(view.first_mip), GLint(view.first_layer)};
+    return view_of_all_mips(shown).map([&](GLuint name) {
+        return Attachment{name, GLint(view.first_mip),
+                          whole ? Attachment::all_layers : GLint(view.first_layer)};
+    });
 }
 
-GLuint Resources::framebuffer(std::span<const Attachment> color, const Attachment* depth,
-                              const rhi::Extent& extent, uint32_t samples) {
+Result<GLuint> Resources::framebuffer(std::span<const Attachment> color, const Attachment* depth,
+                                      const rhi::Extent& extent, uint32_t samples) {
     std::vector<GLint> key;
     for (const Attachment& a : color) key.insert(key.end(), {GLint(a.texture), a.mip, a.layer});
     if (depth) {
@@ -283,9 +300,9 @@ GLuint Resources::framebuffer(std::span<const Attachment> color, const Attachmen
         key.push_back(-1);  // two numbers short of an attachment: depth is not the last colour
     }
     if (key.empty()) key = {0, GLint(extent.width), GLint(extent.height), GLint(samples)};
-    auto [entry, is_new] = framebuffers_.try_emplace(key, 0);
-    if (!is_new) return entry->second;
+    if (auto found = framebuffers_.find(key); found != framebuffers_.end()) return found->second;
 
+    const Silence silence;
     GLuint name = 0;
     glCreateFramebuffers(1, &name);
     std::vector<GLenum> points;
@@ -300,7 +317,11 @@ GLuint Resources::framebuffer(std::span<const Attachment> color, const Attachmen
         glNamedFramebufferParameteri(name, GL_FRAMEBUFFER_DEFAULT_HEIGHT, GLint(extent.height));
         glNamedFramebufferParameteri(name, GL_FRAMEBUFFER_DEFAULT_SAMPLES, samples > 1 ? GLint(samples) : 0);
     }
-    return entry->second = name;
+    if (auto status = check_errors("framebuffer"); !status) {
+        glDeleteFramebuffers(1, &name);
+        return tl::unexpected(status.error());
+    }
+    return framebuffers_.emplace(std::move(key), name).first->second;
 }
 
 }  // namespace lumo::backends::gl

@@ -56,15 +56,17 @@ class Resources {
     GLuint sampler(rhi::SamplerHandle handle) const { return samplers_[handle.index]; }
     const Texture& texture(rhi::TextureHandle handle) const { return textures_[handle.index]; }
 
-    /// A texture object that shows exactly this part.
-    GLuint view(const rhi::TextureView& view);
-    /// The same with every mip, for commands that name the mip themselves.
-    GLuint view_of_all_mips(rhi::TextureView view);
+    // What follows is made where it is not there yet. Error: out_of_memory.
 
-    Attachment attachment(const rhi::TextureView& view);
+    /// A texture object that shows exactly this part.
+    Result<GLuint> view(const rhi::TextureView& view);
+    /// The same with every mip, for commands that name the mip themselves.
+    Result<GLuint> view_of_all_mips(rhi::TextureView view);
+
+    Result<Attachment> attachment(const rhi::TextureView& view);
     /// Without any attachment the framebuffer has the given size and samples.
-    GLuint framebuffer(std::span<const Attachment> color, const Attachment* depth, const rhi::Extent& extent,
-                       uint32_t samples);
+    Result<GLuint> framebuffer(std::span<const Attachment> color, const Attachment* depth,
+                               const rhi::Extent& extent, uint32_t samples);
 
   private:
     std::vector<GLuint> buffers_;
@@ -74,8 +76,25 @@ class Resources {
         framebuffers_;  ///< by attachments, three numbers each, then the size
 };
 
+/// While it lives the driver is silent: what fails then becomes an error value, and need not be said twice.
+class Silence {
+  public:
+    Silence();
+    Silence(const Silence&) = delete;
+    Silence& operator=(const Silence&) = delete;
+    ~Silence();
+
+  private:
+    bool spoke_;
+};
+
 /// Labels for debuggers and messages.
 void label(GLenum kind, GLuint name, std::string_view text);
+
+/// The error about `subject` where the driver has no memory for it.
+tl::unexpected<Error> out_of_memory(std::string_view subject);
+/// The error of a context that was reset.
+tl::unexpected<Error> context_lost();
 
 /// Turns what glGetError holds into an error about `subject`.
 Result<void> check_errors(std::string_view subject);

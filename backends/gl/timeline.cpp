@@ -1,9 +1,14 @@
 #include "backends/gl/timeline.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "backends/gl/resources.hpp"
 
 namespace lumo::backends::gl {
 namespace {
+
+using rhi::PassStamp;
 
 constexpr size_t kept_submissions = 16;
 
@@ -15,13 +20,14 @@ Result<void> wait_for(GLsync fence) {
         switch (glClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, second)) {
             case GL_ALREADY_SIGNALED:
             case GL_CONDITION_SATISFIED:
-                return {};
+                // A reset ends waiting as well.
+                if (glGetGraphicsResetStatus() == GL_NO_ERROR) return {};
+                return context_lost();
             case GL_TIMEOUT_EXPIRED:
                 if (glGetGraphicsResetStatus() == GL_NO_ERROR) continue;
-                [[fallthrough]];
+                return context_lost();
             default:
-                return fail(ErrorKind::device_lost, "OpenGL", "the driver reset the device",
-                            "make the device anew");
+                return context_lost();
         }
     }
 }
@@ -59,6 +65,10 @@ Timeline::Stamp Timeline::stamp() {
     if (spare_queries_.empty()) {
         spare_queries_.resize(64);
         glCreateQueries(GL_TIMESTAMP, GLsizei(spare_queries_.size()), spare_queries_.data());
+        if (spare_queries_.front() == 0) {
+            spare_queries_.clear();
+            return {};
+        }
     }
     const GLuint query = spare_queries_.back();
     spare_queries_.pop_back();
@@ -70,8 +80,15 @@ Result<void> Timeline::submit() {
     recording_ = false;
     submissions_.back().fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     glFlush();
+    if (!submissions_.back().fence) {
+        // Where there is no memory to wait for it later, it is waited for at once.
+        glFinish();
+        (void)check_errors("fence");
+        for (Submission& submission : submissions_) glDeleteSync(std::exchange(submission.fence, nullptr));
+        completed_ = submissions_.back().serial;
+    }
     if (glGetGraphicsResetStatus() == GL_NO_ERROR) return {};
-    return fail(ErrorKind::device_lost, "OpenGL", "the driver reset the device", "make the device anew");
+    return context_lost();
 }
 
 void Timeline::finish_oldest() {
@@ -112,7 +129,8 @@ std::vector<rhi::PassStamp> Timeline::stamps(uint64_t serial) {
         stamp.time_ns = time;
     }
     for (size_t i = 0; i + 1 < found->stamps.size(); i += 2) {
-        passes.push_back({found->stamps[i].time_ns, found->stamps[i + 1].time_ns});
+        const PassStamp pass{found->stamps[i].time_ns, found->stamps[i + 1].time_ns};
+        passes.push_back(pass.begin_ns && pass.end_ns ? pass : PassStamp{});
     }
     return passes;
 }

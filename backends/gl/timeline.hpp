@@ -35,7 +35,8 @@ class Timeline {
     void clear();
 
   private:
-    /// Serialised stamps are times already; overlapped ones are queries until someone asks.
+    /// Serialised stamps are times already; overlapped ones are queries until someone asks. Without either, the
+    /// pass is not timed.
     struct Stamp {
         GLuint query = 0;
         uint64_t time_ns = 0;

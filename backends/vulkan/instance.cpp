@@ -125,6 +125,8 @@ Result<std::unique_ptr<Instance>> Instance::create(bool validation, rhi::Message
         .ppEnabledExtensionNames = extensions.data(),
     };
     VkResult result = create_instance(&info, nullptr, &made->instance_);
+    if (result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY)
+        return fail(ErrorKind::out_of_memory, "Vulkan", "there is no memory for an instance");
     if (result != VK_SUCCESS) {
         return fail(ErrorKind::no_device, "Vulkan",
                     fmt::format("no instance could be made (VkResult {})", int(result)),

@@ -1,5 +1,5 @@
 // OpenGL's entry points in epoxy's table, replaced by ones that can fail.
-#include <EGL/egl.h>
+#include <epoxy/egl.h>
 #include <epoxy/gl.h>
 #include <type_traits>
 #include <utility>
@@ -92,7 +92,10 @@ GLenum get_error() {
 }
 
 GLenum reset_status() {
-    if (!faults().lost("glGetGraphicsResetStatus")) return real_reset_status();
+    if (!faults().lost("glGetGraphicsResetStatus")) {
+        reset_told = false;
+        return real_reset_status();
+    }
     return std::exchange(reset_told, true) ? GL_NO_ERROR : GL_GUILTY_CONTEXT_RESET;
 }
 

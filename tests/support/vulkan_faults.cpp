@@ -30,7 +30,7 @@ constexpr std::string_view kind_of(std::string_view function) {
 /// Those that a lost device shows itself by.
 constexpr bool may_lose(std::string_view function) {
     return function == "vkQueueSubmit2" || function == "vkWaitSemaphores" ||
-           function == "vkGetSemaphoreCounterValue" || function == "vkDeviceWaitIdle" ||
+           function == "vkGetSemaphoreCounterValue" || function == "vkQueueWaitIdle" ||
            function == "vkQueuePresentKHR" || function == "vkAcquireNextImageKHR";
 }
 
@@ -49,7 +49,7 @@ struct Hook<name, Result (*)(Arguments...)> {
         } else {
             if (may_lose(function) && faults().lost(function)) {
                 // What runs on the device, which is not lost in truth, must end before its objects go.
-                if (function == "vkDeviceWaitIdle") (void)real(arguments...);
+                if (function == "vkQueueWaitIdle") (void)real(arguments...);
                 return VK_ERROR_DEVICE_LOST;
             }
             if (faults().fails(function)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
@@ -105,7 +105,8 @@ using DeviceHooks = std::tuple<
     Hook<"vkDestroySemaphore", PFN_vkDestroySemaphore>, Hook<"vkQueueSubmit2", PFN_vkQueueSubmit2>,
     Hook<"vkWaitSemaphores", PFN_vkWaitSemaphores>,
     Hook<"vkGetSemaphoreCounterValue", PFN_vkGetSemaphoreCounterValue>,
-    Hook<"vkDeviceWaitIdle", PFN_vkDeviceWaitIdle>, Hook<"vkCreateSwapchainKHR", PFN_vkCreateSwapchainKHR>,
+    Hook<"vkQueueWaitIdle", PFN_vkQueueWaitIdle>, Hook<"vkSignalSemaphore", PFN_vkSignalSemaphore>,
+    Hook<"vkCreateSwapchainKHR", PFN_vkCreateSwapchainKHR>,
     Hook<"vkDestroySwapchainKHR", PFN_vkDestroySwapchainKHR>,
     Hook<"vkGetSwapchainImagesKHR", PFN_vkGetSwapchainImagesKHR>,
     Hook<"vkAcquireNextImageKHR", PFN_vkAcquireNextImageKHR>,
