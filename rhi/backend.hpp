@@ -103,7 +103,7 @@ using Command = std::variant<DispatchCommand, DispatchIndirectCommand, DrawComma
                              ClearTextureCommand, BlitMipCommand, PresentCommand>;
 
 struct Step {
-    std::vector<Barrier> barriers;  ///< in front of the command; empty inside raster passes
+    std::span<const Barrier> barriers;  ///< in front of the command; empty inside raster passes
     Command command;
 };
 

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <map>
-#include <memory_resource>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "rhi/arena.hpp"
 #include "rhi/backend.hpp"
 #include "rhi/plan.hpp"
 #include "rhi/resource_table.hpp"
@@ -95,28 +95,25 @@ class DeviceCore {
     tl::unexpected<Error> drop(std::string_view where, const Fault& fault);
 
   private:
-    /// The pass that is open.
+    /// The pass that is open. Its memory serves the passes after it.
     struct OpenPass {
         uint64_t id = 0;
         std::string name;
         bool raster = false;
         RasterTargets targets;
         std::vector<Step> steps;
-        std::vector<Use> uses;                      ///< of a raster pass so far
-        std::pmr::monotonic_buffer_resource arena;  ///< bindings and push constants of its steps
-        std::vector<Scope> scopes;                  ///< for the trace, with their barriers
+        std::vector<Use> uses;      ///< of a raster pass so far
+        Arena arena;                ///< bindings, push constants and barriers of its steps
+        std::vector<Scope> scopes;  ///< for the trace, with their barriers
         std::vector<std::vector<Barrier>> barriers;
+
+        void clear();
     };
     /// What is kept of a submission for those who ask later.
     struct Record {
         std::vector<std::string> passes;
         std::string trace;
         std::optional<Error> failure;  ///< the first thing that the environment refused it
-    };
-    /// One command's bindings, checked and kept, with what they touch.
-    struct Bound {
-        PipelineBindings command;
-        std::vector<Use> uses;
     };
 
     /// Runs `body` (OpenPass& -> Verdict) on pass `id` if that is open, and reports what it finds.
@@ -137,15 +134,25 @@ class DeviceCore {
     /// What `make` creates, unless the device is lost.
     template <class Make>
     auto create(Make make) -> decltype(make());
+    /// One to open: an earlier one's memory, or a new one.
+    std::unique_ptr<OpenPass> blank_pass();
     uint64_t start_pass(uint64_t serial, std::string_view name, std::unique_ptr<OpenPass> pass);
     void add(OpenPass& pass, std::string_view what, std::span<const Use> uses, bool unordered,
              const Command& command);
-    std::vector<Barrier> enter(OpenPass& pass, Scope scope);
+    /// The barriers of a scope, until the next is entered. It is `what` of the pass in the trace, if anything.
+    std::span<const Barrier> enter(OpenPass& pass, std::string_view what, std::span<const Use> uses,
+                                   bool unordered);
+    /// For the uses of one command.
+    std::vector<Use>& no_uses() {
+        uses_.clear();
+        return uses_;
+    }
     std::vector<Barrier> hand_back();
     void keep_trace(std::span<const Scope> scopes, std::span<const std::vector<Barrier>> barriers);
 
+    /// One command's bindings, checked and kept, with what they touch.
     Verdict bind(OpenPass& pass, PipelineHandle pipeline, std::span<const BindingValue> bindings,
-                 std::span<const std::byte> push, Bound& bound);
+                 std::span<const std::byte> push, std::vector<Use>& uses, PipelineBindings& bound);
     Verdict bind_one(const BindingInfo& info, const BindingValue& value, std::vector<Use>& uses);
     Verdict check_targets(RasterTargets& targets, std::vector<Use>& uses);
     Verdict check_draw_targets(const OpenPass& pass, const PipelineRecord& pipeline) const;
@@ -160,9 +167,6 @@ class DeviceCore {
     Verdict conflict(const MemoryId& memory) const;
     Verdict stage(std::span<const std::byte> bytes, uint64_t alignment, BufferSlice& slice);
     Use texture_use(const TextureView& view, uint32_t mip, Access access, bool discard = false);
-    template <class T>
-    std::span<const T> keep(OpenPass& pass, std::span<const T> values);
-
     /// What releases now wait for.
     uint64_t last_serial() const { return open_serial_ ? open_serial_ : submitted_; }
 
@@ -180,7 +184,9 @@ class DeviceCore {
     bool idle_ = false;            ///< the open submission was refused: nothing of it runs
     std::optional<Error> lost_;
     uint64_t last_pass_ = 0;
-    std::unique_ptr<OpenPass> pass_;
+    std::unique_ptr<OpenPass> pass_, blank_;
+    std::vector<Use> uses_;
+    std::vector<Barrier> barriers_;
     std::map<uint64_t, Record> records_;
     bool tracing_ = false;
     size_t owners_ = 0;

@@ -30,8 +30,14 @@ Reach reach_of(Access access, Stages stages) {
 
 std::vector<Barrier> HazardTracker::enter(const Scope& scope) {
     std::vector<Barrier> barriers;
-    for (const Use& use : scope.uses) {
-        Entry& entry = states_[use.memory];
+    enter(scope.uses, scope.unordered, barriers);
+    return barriers;
+}
+
+void HazardTracker::enter(std::span<const Use> uses, bool unordered, std::vector<Barrier>& barriers) {
+    const auto first = std::ptrdiff_t(barriers.size());
+    for (const Use& use : uses) {
+        Entry& entry = entry_of(use.memory);
         MemoryState& state = entry.now;
         if (std::exchange(entry.touched, mark_) != mark_) entry.at_mark = state;
         const bool writes = is_write(use.access);
@@ -40,7 +46,7 @@ std::vector<Barrier> HazardTracker::enter(const Scope& scope) {
         const bool written = state.write != Access::none;
         const bool touched = written || state.reads != Access::none;
         const bool in_run = use.commutative && state.commutative && !moves && state.reads == Access::none;
-        const bool joins_run = scope.unordered && in_run && (reach & ~state.run_visible) == 0;
+        const bool joins_run = unordered && in_run && (reach & ~state.run_visible) == 0;
         const bool waits = moves || (writes ? touched && !joins_run
                                             : (written || state.moved) && (reach & ~state.visible) != 0);
         if (waits) {
@@ -80,51 +86,89 @@ std::vector<Barrier> HazardTracker::enter(const Scope& scope) {
             if (waits) state.visible |= reach;
         }
     }
-    std::ranges::sort(barriers, {}, &Barrier::memory);
-    return barriers;
+    std::ranges::sort(barriers.begin() + first, barriers.end(), {}, &Barrier::memory);
+}
+
+HazardTracker::Entry& HazardTracker::entry_of(const MemoryId& memory) {
+    auto& by_index = states_[size_t(memory.kind)];
+    if (memory.index >= by_index.size()) by_index.resize(memory.index + 1);
+    auto& by_mip = by_index[memory.index];
+    if (memory.mip >= by_mip.size()) by_mip.resize(memory.mip + 1);
+    return by_mip[memory.mip];
 }
 
 void HazardTracker::adopt(const MemoryId& memory) {
-    states_[memory].now = {.write = Access::external, .layout = Layout::external, .run_visible = everything};
+    entry_of(memory).now = {.write = Access::external, .layout = Layout::external, .run_visible = everything};
 }
 
 void HazardTracker::forget(MemoryId::Kind kind, uint32_t index) {
-    auto first = states_.lower_bound({kind, index, 0});
-    auto last = first;
-    while (last != states_.end() && last->first.kind == kind && last->first.index == index) ++last;
-    states_.erase(first, last);
+    auto& by_index = states_[size_t(kind)];
+    if (index < by_index.size()) by_index[index].clear();
 }
 
 void HazardTracker::rewind() {
-    for (auto& [memory, entry] : states_)
-        if (entry.touched == mark_) entry.now = entry.at_mark;
+    for (auto& by_index : states_)
+        for (auto& by_mip : by_index)
+            for (Entry& entry : by_mip)
+                if (entry.touched == mark_) entry.now = entry.at_mark;
 }
 
-MergedUses merge_uses(std::span<const Use> uses, Sharing sharing) {
-    MergedUses merged;
-    std::vector<Use> sorted(uses.begin(), uses.end());
-    std::ranges::stable_sort(sorted, {}, &Use::memory);
-    for (const Use& use : sorted) {
-        if (merged.uses.empty() || merged.uses.back().memory != use.memory) {
-            merged.uses.push_back(use);
+namespace {
+
+bool may_meet(const Use& a, const Use& b) {
+    return (!is_write(a.access) && !is_write(b.access)) || (a.commutative && b.commutative);
+}
+
+bool may_meet_in_draws(const Use& a, const Use& b) {
+    return may_meet(a, b) || (a.access == Access::storage_write && b.access == Access::storage_write);
+}
+
+void unite(Use& whole, const Use& use) {
+    whole.access |= use.access;
+    whole.stages |= use.stages;
+    if (whole.layout != use.layout) whole.layout = Layout::general;
+    whole.discard = whole.discard && use.discard;
+    whole.commutative = whole.commutative && use.commutative;
+}
+
+/// Where a memory's use is, or would be, among sorted ones.
+auto place_of(std::vector<Use>& uses, const MemoryId& memory) {
+    return std::ranges::lower_bound(uses, memory, {}, &Use::memory);
+}
+
+}  // namespace
+
+std::optional<MemoryId> merge_uses(std::vector<Use>& uses) {
+    std::optional<MemoryId> conflicting;
+    std::ranges::sort(uses, {}, &Use::memory);
+    size_t merged = 0;
+    for (const Use& use : uses) {
+        if (merged == 0 || uses[merged - 1].memory != use.memory) {
+            uses[merged++] = use;
             continue;
         }
-        Use& whole = merged.uses.back();
-        const bool writes = is_write(whole.access) || is_write(use.access);
-        const bool commute = whole.commutative && use.commutative;
-        const bool own_places = sharing == Sharing::draws && whole.access == Access::storage_write &&
-                                use.access == Access::storage_write;
-        if (writes && !commute && !own_places && !merged.conflict) {
-            merged.conflict = true;
-            merged.conflicting = use.memory;
-        }
-        whole.access |= use.access;
-        whole.stages |= use.stages;
-        if (whole.layout != use.layout) whole.layout = Layout::general;
-        whole.discard = whole.discard && use.discard;
-        whole.commutative = commute;
+        Use& whole = uses[merged - 1];
+        if (!may_meet(whole, use) && !conflicting) conflicting = use.memory;
+        unite(whole, use);
     }
-    return merged;
+    uses.resize(merged);
+    return conflicting;
+}
+
+std::optional<MemoryId> merge_draw(std::vector<Use>& pass, std::span<const Use> draw) {
+    for (const Use& use : draw) {
+        const auto place = place_of(pass, use.memory);
+        if (place != pass.end() && place->memory == use.memory && !may_meet_in_draws(*place, use))
+            return use.memory;
+    }
+    for (const Use& use : draw) {
+        const auto place = place_of(pass, use.memory);
+        if (place != pass.end() && place->memory == use.memory)
+            unite(*place, use);
+        else
+            pass.insert(place, use);
+    }
+    return {};
 }
 
 std::vector<std::vector<Barrier>> plan_barriers(std::span<const Scope> scopes) {

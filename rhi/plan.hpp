@@ -6,9 +6,11 @@
 // backends get the same barriers. OpenGL needs those after incoherent shader writes alone; Vulkan needs all.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -121,6 +123,8 @@ class HazardTracker {
   public:
     /// The barriers that `scope` needs in front of it, sorted by memory; then counts the scope as done.
     std::vector<Barrier> enter(const Scope& scope);
+    /// The same for a scope of these uses, at the end of `barriers`.
+    void enter(std::span<const Use> uses, bool unordered, std::vector<Barrier>& barriers);
     /// A texture's mip is in the hands of its host.
     void adopt(const MemoryId& memory);
     /// Forgets a destroyed resource.
@@ -137,22 +141,20 @@ class HazardTracker {
         MemoryState at_mark;  ///< valid where `touched` is the current mark
         uint64_t touched = 0;
     };
-    std::map<MemoryId, Entry> states_;
+    Entry& entry_of(const MemoryId& memory);
+
+    std::array<std::vector<std::vector<Entry>>, 2> states_;  ///< by kind, index and mip; grown on first use
     uint64_t mark_ = 1;
 };
 
-/// Whose uses are brought together: the bindings of one command, or the draws of one raster pass.
-enum class Sharing : uint8_t { command, draws };
+/// Leaves one use per memory out of many of one command, sorted by memory: accesses and stages united; general
+/// layout where they disagree. Returns the first memory whose uses must not meet: a write beside any other use,
+/// unless all of that memory are commutative.
+std::optional<MemoryId> merge_uses(std::vector<Use>& uses);
 
-/// One use per memory out of many, sorted by memory: accesses and stages united; general layout where they
-/// disagree. Uses that must not meet are a write beside any other use, unless all of that memory are
-/// commutative, or all are plain writes by different draws (to places of their own).
-struct MergedUses {
-    std::vector<Use> uses;
-    bool conflict = false;
-    MemoryId conflicting;  ///< the first memory whose uses must not meet
-};
-MergedUses merge_uses(std::span<const Use> uses, Sharing sharing = Sharing::command);
+/// Adds the uses of a draw to those of the draws before it, both merged already. Draws may write the same memory,
+/// to places of their own. Where uses must not meet, `pass` stays as it was.
+std::optional<MemoryId> merge_draw(std::vector<Use>& pass, std::span<const Use> draw);
 
 /// Barriers in front of each scope, from nothing known.
 std::vector<std::vector<Barrier>> plan_barriers(std::span<const Scope> scopes);

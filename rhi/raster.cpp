@@ -11,16 +11,16 @@ uint64_t index_bytes(IndexType type) { return type == IndexType::uint16 ? 2 : 4;
 }  // namespace
 
 uint64_t DeviceCore::open_raster_pass(uint64_t serial, std::string_view name, const RasterTargets& targets) {
-    auto pass = std::make_unique<OpenPass>();
+    auto pass = blank_pass();
     pass->raster = true;
     pass->targets = targets;
     Verdict bad = check_targets(pass->targets, pass->uses);
     if (!bad) {
-        MergedUses merged = merge_uses(pass->uses);
-        if (merged.conflict) bad = conflict(merged.conflicting);
-        pass->uses = std::move(merged.uses);
+        if (const auto memory = merge_uses(pass->uses)) bad = conflict(*memory);
     }
     if (bad) {
+        pass->clear();
+        blank_ = std::move(pass);
         drop(name, *bad);
         return 0;
     }
@@ -178,19 +178,15 @@ Verdict DeviceCore::use_draw(const DrawIndirect& draw, const PipelineBindings& w
 Result<void> DeviceCore::draw(uint64_t id, PipelineHandle pipeline, std::span<const BindingValue> bindings,
                               std::span<const std::byte> push, const AnyDraw& draw) {
     return record(id, [&](OpenPass& pass) -> Verdict {
-        Bound bound;
+        std::vector<Use>& uses = no_uses();
+        PipelineBindings bound;
+        if (auto bad = bind(pass, pipeline, bindings, push, uses, bound)) return bad;
         Command command;
-        if (auto bad = bind(pass, pipeline, bindings, push, bound)) return bad;
         if (auto bad = check_draw_targets(pass, *resources_.find(pipeline))) return bad;
-        if (auto bad = std::visit(
-                [&](const auto& one) { return use_draw(one, bound.command, bound.uses, command); }, draw))
+        if (auto bad = std::visit([&](const auto& one) { return use_draw(one, bound, uses, command); }, draw))
             return bad;
-        MergedUses merged = merge_uses(bound.uses);
-        if (merged.conflict) return conflict(merged.conflicting);
-        merged.uses.insert(merged.uses.end(), pass.uses.begin(), pass.uses.end());
-        merged = merge_uses(merged.uses, Sharing::draws);
-        if (merged.conflict) return conflict(merged.conflicting);
-        pass.uses = std::move(merged.uses);
+        if (const auto memory = merge_uses(uses)) return conflict(*memory);
+        if (const auto memory = merge_draw(pass.uses, uses)) return conflict(*memory);
         pass.steps.push_back({{}, command});
         return {};
     });

@@ -61,7 +61,21 @@ uint64_t DeviceCore::start_pass(uint64_t serial, std::string_view name, std::uni
 }
 
 uint64_t DeviceCore::open_pass(uint64_t serial, std::string_view name) {
-    return start_pass(serial, name, std::make_unique<OpenPass>());
+    return start_pass(serial, name, blank_pass());
+}
+
+void DeviceCore::OpenPass::clear() {
+    raster = false;
+    targets = {};
+    steps.clear();
+    uses.clear();
+    arena.clear();
+    scopes.clear();
+    barriers.clear();
+}
+
+std::unique_ptr<DeviceCore::OpenPass> DeviceCore::blank_pass() {
+    return blank_ ? std::move(blank_) : std::make_unique<OpenPass>();
 }
 
 void DeviceCore::end_pass(uint64_t id) {
@@ -70,7 +84,8 @@ void DeviceCore::end_pass(uint64_t id) {
     EmittedPass emitted{.name = pass.name, .targets = nullptr, .barriers = {}, .steps = pass.steps};
     if (pass.raster) {
         emitted.targets = &pass.targets;
-        emitted.barriers = enter(pass, {.label = pass.name, .uses = pass.uses});
+        const auto barriers = enter(pass, {}, pass.uses, false);
+        emitted.barriers = {barriers.begin(), barriers.end()};
     }
     if (!lost_ && !idle_) {
         if (auto done = backend_->emit(emitted); !done) refuse(open_serial_, within(pass.name, done.error()));
@@ -78,7 +93,8 @@ void DeviceCore::end_pass(uint64_t id) {
 
     records_[open_serial_].passes.push_back(pass.name);
     if (tracing_) keep_trace(pass.scopes, pass.barriers);
-    pass_.reset();
+    pass.clear();
+    blank_ = std::move(pass_);
 }
 
 void DeviceCore::keep_trace(std::span<const Scope> scopes, std::span<const std::vector<Barrier>> barriers) {
@@ -88,31 +104,24 @@ void DeviceCore::keep_trace(std::span<const Scope> scopes, std::span<const std::
     records_[open_serial_].trace += to_text(scopes, barriers, names);
 }
 
-std::vector<Barrier> DeviceCore::enter(OpenPass& pass, Scope scope) {
-    for (const Use& use : scope.uses)
+std::span<const Barrier> DeviceCore::enter(OpenPass& pass, std::string_view what, std::span<const Use> uses,
+                                           bool unordered) {
+    for (const Use& use : uses)
         if (resources_.is_adopted(use.memory)) borrowed_.insert(use.memory);
-    std::vector<Barrier> barriers = tracker_.enter(scope);
+    barriers_.clear();
+    tracker_.enter(uses, unordered, barriers_);
     if (tracing_) {
-        pass.scopes.push_back(std::move(scope));
-        pass.barriers.push_back(barriers);
+        pass.scopes.push_back({.label = what.empty() ? pass.name : fmt::format("{}/{}", pass.name, what),
+                               .uses = {uses.begin(), uses.end()},
+                               .unordered = unordered});
+        pass.barriers.push_back(barriers_);
     }
-    return barriers;
+    return barriers_;
 }
 
 void DeviceCore::add(OpenPass& pass, std::string_view what, std::span<const Use> uses, bool unordered,
                      const Command& command) {
-    Scope scope{.label = fmt::format("{}/{}", pass.name, what),
-                .uses = {uses.begin(), uses.end()},
-                .unordered = unordered};
-    pass.steps.push_back({enter(pass, std::move(scope)), command});
-}
-
-template <class T>
-std::span<const T> DeviceCore::keep(OpenPass& pass, std::span<const T> values) {
-    if (values.empty()) return {};
-    void* memory = pass.arena.allocate(values.size_bytes(), alignof(T));
-    std::memcpy(memory, values.data(), values.size_bytes());
-    return {static_cast<const T*>(memory), values.size()};
+    pass.steps.push_back({pass.arena.copy(enter(pass, what, uses, unordered)), command});
 }
 
 // -- what commands touch
@@ -172,7 +181,7 @@ Verdict DeviceCore::bind_one(const BindingInfo& info, const BindingValue& value,
 }
 
 Verdict DeviceCore::bind(OpenPass& pass, PipelineHandle handle, std::span<const BindingValue> bindings,
-                         std::span<const std::byte> push, Bound& bound) {
+                         std::span<const std::byte> push, std::vector<Use>& uses, PipelineBindings& bound) {
     const PipelineRecord* pipeline = resources_.find(handle);
     if (!pipeline) return stale("a pipeline");
     const ProgramInfo& program = *pipeline->program;
@@ -183,13 +192,13 @@ Verdict DeviceCore::bind(OpenPass& pass, PipelineHandle handle, std::span<const 
         return fault(Check::push_size, "{} bytes for the {} of program \"{}\"", push.size(),
                      program.push_size, program.name);
     for (size_t i = 0; i < bindings.size(); ++i) {
-        if (auto bad = bind_one(program.bindings[i], bindings[i], bound.uses)) {
+        if (auto bad = bind_one(program.bindings[i], bindings[i], uses)) {
             bad->text = fmt::format("program \"{}\", binding {}: {}", program.name, program.bindings[i].name,
                                     bad->text);
             return bad;
         }
     }
-    bound.command = {handle, keep(pass, bindings), keep(pass, push)};
+    bound = {handle, pass.arena.copy(bindings), pass.arena.copy(push)};
     return {};
 }
 
@@ -199,8 +208,9 @@ Result<void> DeviceCore::dispatch(uint64_t id, PipelineHandle pipeline,
                                   std::span<const BindingValue> bindings, std::span<const std::byte> push,
                                   Groups groups) {
     return record(id, [&](OpenPass& pass) -> Verdict {
-        Bound bound;
-        if (auto bad = bind(pass, pipeline, bindings, push, bound)) return bad;
+        std::vector<Use>& uses = no_uses();
+        PipelineBindings bound;
+        if (auto bad = bind(pass, pipeline, bindings, push, uses, bound)) return bad;
         const std::string_view program = resources_.find(pipeline)->program->name;
         const uint32_t counts[3] = {groups.x, groups.y, groups.z};
         for (int axis = 0; axis < 3; ++axis) {
@@ -212,10 +222,8 @@ Result<void> DeviceCore::dispatch(uint64_t id, PipelineHandle pipeline,
                              "program \"{}\": {} groups on axis {}; this device takes {}", program,
                              counts[axis], axis, info().limits.max_groups[axis]);
         }
-        const MergedUses merged = merge_uses(bound.uses);
-        if (merged.conflict) return conflict(merged.conflicting);
-        add(pass, program, merged.uses, groups.unordered,
-            DispatchCommand{bound.command, groups.x, groups.y, groups.z});
+        if (const auto memory = merge_uses(uses)) return conflict(*memory);
+        add(pass, program, uses, groups.unordered, DispatchCommand{bound, groups.x, groups.y, groups.z});
         return {};
     });
 }
@@ -225,18 +233,18 @@ Result<void> DeviceCore::dispatch_indirect(uint64_t id, PipelineHandle pipeline,
                                            std::span<const std::byte> push, BufferSlice arguments,
                                            bool unordered) {
     return record(id, [&](OpenPass& pass) -> Verdict {
-        Bound bound;
-        if (auto bad = bind(pass, pipeline, bindings, push, bound)) return bad;
-        if (auto bad = use_slice(arguments, BufferUsage::indirect, Access::indirect_read, sizeof(uint32_t),
-                                 bound.uses))
+        std::vector<Use>& uses = no_uses();
+        PipelineBindings bound;
+        if (auto bad = bind(pass, pipeline, bindings, push, uses, bound)) return bad;
+        if (auto bad =
+                use_slice(arguments, BufferUsage::indirect, Access::indirect_read, sizeof(uint32_t), uses))
             return bad;
         if (arguments.size < group_arguments)
             return fault(Check::buffer_too_small, "{} bytes of indirect arguments; three counts take {}",
                          arguments.size, group_arguments);
-        const MergedUses merged = merge_uses(bound.uses);
-        if (merged.conflict) return conflict(merged.conflicting);
-        add(pass, resources_.find(pipeline)->program->name, merged.uses, unordered,
-            DispatchIndirectCommand{bound.command, arguments});
+        if (const auto memory = merge_uses(uses)) return conflict(*memory);
+        add(pass, resources_.find(pipeline)->program->name, uses, unordered,
+            DispatchIndirectCommand{bound, arguments});
         return {};
     });
 }
@@ -261,7 +269,7 @@ Result<BufferSlice> DeviceCore::uniform(uint64_t serial, std::span<const std::by
 
 Result<void> DeviceCore::copy(uint64_t id, BufferSlice source, BufferSlice destination) {
     return record(id, [&](OpenPass& pass) -> Verdict {
-        std::vector<Use> uses;
+        std::vector<Use>& uses = no_uses();
         if (auto bad = use_slice(source, BufferUsage::none, Access::copy_read, 1, uses)) return bad;
         if (auto bad = use_slice(destination, BufferUsage::none, Access::copy_write, 1, uses)) return bad;
         const std::string name = quoted(resources_.find(destination.buffer)->desc.name);
@@ -275,7 +283,7 @@ Result<void> DeviceCore::copy(uint64_t id, BufferSlice source, BufferSlice desti
                              source.offset, destination.offset, name);
             uses = {buffer_use(source.buffer, Access::copy_read | Access::copy_write)};
         }
-        add(pass, "copy", merge_uses(uses).uses, false, CopyBufferCommand{source, destination});
+        add(pass, "copy", uses, false, CopyBufferCommand{source, destination});
         return {};
     });
 }
@@ -289,7 +297,7 @@ Result<void> DeviceCore::copy(uint64_t id, TextureHandle source, const TextureRe
         if (auto bad =
                 check_copy(from->desc, source_region, to->desc, destination_region, source == destination))
             return bad;
-        std::vector<Use> uses;
+        std::vector<Use>& uses = no_uses();
         if (source == destination && source_region.mip == destination_region.mip) {
             uses = {
                 texture_use({.texture = source}, source_region.mip, Access::copy_read | Access::copy_write)};
@@ -298,7 +306,7 @@ Result<void> DeviceCore::copy(uint64_t id, TextureHandle source, const TextureRe
                     texture_use({.texture = destination}, destination_region.mip, Access::copy_write,
                                 covers_mip(to->desc, destination_region))};
         }
-        add(pass, "copy", merge_uses(uses).uses, false,
+        add(pass, "copy", uses, false,
             CopyTextureCommand{source, destination, source_region, destination_region});
         return {};
     });
@@ -306,7 +314,7 @@ Result<void> DeviceCore::copy(uint64_t id, TextureHandle source, const TextureRe
 
 Result<void> DeviceCore::upload(uint64_t id, BufferSlice destination, std::span<const std::byte> bytes) {
     return record(id, [&](OpenPass& pass) -> Verdict {
-        std::vector<Use> uses;
+        std::vector<Use>& uses = no_uses();
         if (auto bad = use_slice(destination, BufferUsage::none, Access::copy_write, 1, uses)) return bad;
         if (bytes.size() != destination.size)
             return fault(Check::copy_out_of_range, "{} bytes to {} of buffer {}", bytes.size(),
@@ -339,7 +347,7 @@ Result<void> DeviceCore::upload(uint64_t id, TextureHandle destination, const Te
 
 Result<void> DeviceCore::fill(uint64_t id, BufferSlice destination, uint32_t value) {
     return record(id, [&](OpenPass& pass) -> Verdict {
-        std::vector<Use> uses;
+        std::vector<Use>& uses = no_uses();
         if (auto bad = use_slice(destination, BufferUsage::none, Access::copy_write, sizeof(value), uses))
             return bad;
         if (destination.size % sizeof(value) != 0)
@@ -368,7 +376,7 @@ Result<void> DeviceCore::clear(uint64_t id, const TextureView& view, const Clear
         if (view.format != texture->desc.format && !is_zero(value))
             return fault(Check::view_format, "texture {} can be cleared to zero alone through a view as {}",
                          name, format.name);
-        std::vector<Use> uses;
+        std::vector<Use>& uses = no_uses();
         for (uint32_t mip = 0; mip < view.mips; ++mip)
             uses.push_back(texture_use(view, view.first_mip + mip, Access::copy_write,
                                        covers_layers(texture->desc, view)));
@@ -400,7 +408,7 @@ Result<void> DeviceCore::generate_mips(uint64_t id, TextureHandle handle) {
 Result<Readback> DeviceCore::read(uint64_t id, BufferSlice source) {
     Result<Readback> ticket;
     auto recorded = record(id, [&](OpenPass& pass) -> Verdict {
-        std::vector<Use> uses;
+        std::vector<Use>& uses = no_uses();
         if (auto bad = use_slice(source, BufferUsage::none, Access::copy_read, 1, uses)) return bad;
         ticket = readbacks_.open(source.size, open_serial_);
         if (!ticket) return Fault{Check::none, to_string(ticket.error()), ticket.error().kind};

@@ -84,8 +84,10 @@ Result<void> Recorder::record(const rhi::EmittedPass& pass) {
 
 void Recorder::barriers(std::span<const rhi::Barrier> barriers) {
     if (barriers.empty()) return;
-    std::vector<VkBufferMemoryBarrier2> buffers;
-    std::vector<VkImageMemoryBarrier2> images;
+    auto& buffers = buffer_barriers_;
+    auto& images = image_barriers_;
+    buffers.clear();
+    images.clear();
     for (const auto& barrier : barriers) {
         Sync before = to_vk(barrier.before, barrier.before_stages);
         Sync after = to_vk(barrier.after, barrier.after_stages);

@@ -90,6 +90,8 @@ class Recorder {
     DescriptorSets& sets_;
     VkCommandBuffer commands_;
     VkPipeline bound_ = VK_NULL_HANDLE;
+    std::vector<VkBufferMemoryBarrier2> buffer_barriers_;  ///< of one command
+    std::vector<VkImageMemoryBarrier2> image_barriers_;
     Result<void> result_;
 };
 

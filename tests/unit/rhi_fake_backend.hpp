@@ -130,7 +130,7 @@ class FakeBackend : public Backend {
         if (pass.targets) copy.extent = pass.targets->extent;
         copy.barriers = pass.barriers;
         for (const Step& step : pass.steps) {
-            copy.step_barriers.push_back(step.barriers);
+            copy.step_barriers.emplace_back(step.barriers.begin(), step.barriers.end());
             copy.commands.push_back(step.command);
             std::visit([&](const auto& command) { run(copy, command); }, step.command);
         }

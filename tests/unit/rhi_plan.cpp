@@ -1,4 +1,6 @@
 // The hazard plan as data: which barriers each sequence of scopes gets, and that each one is needed.
+#include <algorithm>
+#include <functional>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <random>
@@ -153,40 +155,57 @@ TEST(Plan, ForgottenResourcesStartAnew) {
 
 TEST(MergeUses, UnitesReads) {
     Use vertex{.memory = buffer, .access = Access::storage_read, .stages = Stages::vertex};
-    const MergedUses merged = merge_uses(
-        std::vector{vertex, compute(other, Access::uniform_read), compute(buffer, Access::uniform_read)});
-    EXPECT_FALSE(merged.conflict);
-    EXPECT_THAT(merged.uses, ElementsAre(Use{.memory = buffer,
-                                             .access = Access::storage_read | Access::uniform_read,
-                                             .stages = Stages::vertex | Stages::compute},
-                                         compute(other, Access::uniform_read)));
+    std::vector uses{compute(other, Access::uniform_read), vertex, compute(buffer, Access::uniform_read)};
+    EXPECT_FALSE(merge_uses(uses));
+    EXPECT_THAT(uses, ElementsAre(Use{.memory = buffer,
+                                      .access = Access::storage_read | Access::uniform_read,
+                                      .stages = Stages::vertex | Stages::compute},
+                                  compute(other, Access::uniform_read)));
 }
 
 TEST(MergeUses, TakesTheGeneralLayoutWhereReadsDisagree) {
     const Use copied{.memory = mip0, .access = Access::copy_read, .layout = Layout::copy_source};
-    const MergedUses merged =
-        merge_uses(std::vector{copied, compute(mip0, Access::sampled_read, Layout::read_only)});
-    ASSERT_THAT(merged.uses, SizeIs(1));
-    EXPECT_EQ(merged.uses[0].layout, Layout::general);
+    std::vector uses{copied, compute(mip0, Access::sampled_read, Layout::read_only)};
+    EXPECT_FALSE(merge_uses(uses));
+    ASSERT_THAT(uses, SizeIs(1));
+    EXPECT_EQ(uses[0].layout, Layout::general);
 }
 
 TEST(MergeUses, ObjectsToAWriteBesideAnotherUse) {
     const Use read = compute(buffer, Access::storage_read);
     const Use write = compute(buffer, Access::storage_write);
-    const auto conflicts = [](std::vector<Use> uses, Sharing sharing) {
-        return merge_uses(uses, sharing).conflict;
+    const auto in_command = [](std::vector<Use> uses) { return merge_uses(uses).has_value(); };
+    const auto in_draws = [](const std::vector<Use>& uses) {
+        std::vector<Use> pass;
+        return std::ranges::any_of(uses, [&](const Use& use) {
+            return merge_draw(pass, {&use, 1}).has_value();
+        });
     };
-    for (Sharing sharing : {Sharing::command, Sharing::draws}) {
-        EXPECT_TRUE(conflicts({read, write}, sharing));
-        EXPECT_TRUE(conflicts({write, count(buffer)}, sharing));
-        EXPECT_TRUE(conflicts({compute(buffer, atomic), compute(buffer, atomic)}, sharing));
-        EXPECT_FALSE(conflicts({count(buffer), count(buffer), count(buffer)}, sharing));
-        EXPECT_FALSE(conflicts({read, read}, sharing));
-        EXPECT_FALSE(conflicts({write, compute(other, Access::storage_read)}, sharing));
+    for (const std::function<bool(std::vector<Use>)>& conflicts :
+         std::initializer_list<std::function<bool(std::vector<Use>)>>{in_command, in_draws}) {
+        EXPECT_TRUE(conflicts({read, write}));
+        EXPECT_TRUE(conflicts({write, count(buffer)}));
+        EXPECT_TRUE(conflicts({compute(buffer, atomic), compute(buffer, atomic)}));
+        EXPECT_FALSE(conflicts({count(buffer), count(buffer), count(buffer)}));
+        EXPECT_FALSE(conflicts({read, read}));
+        EXPECT_FALSE(conflicts({write, compute(other, Access::storage_read)}));
     }
-    EXPECT_TRUE(conflicts({write, write}, Sharing::command));
-    EXPECT_FALSE(conflicts({write, write}, Sharing::draws));
-    EXPECT_EQ(merge_uses(std::vector{read, write}).conflicting, buffer);
+    EXPECT_TRUE(in_command({write, write}));
+    EXPECT_FALSE(in_draws({write, write}));
+    EXPECT_TRUE(in_draws({write, write, read}));
+    std::vector uses{read, write};
+    EXPECT_EQ(merge_uses(uses), buffer);
+}
+
+TEST(MergeUses, LeavesThePassAsItWasWhereADrawMustNotJoinIt) {
+    const std::vector before{compute(other, Access::storage_read), compute(buffer, Access::storage_write)};
+    std::vector<Use> pass = before;
+    std::ranges::sort(pass, {}, &Use::memory);
+    const std::vector<Use> as_it_was = pass;
+    const std::vector draw{compute(buffer, Access::storage_read),
+                           compute(mip0, Access::sampled_read, Layout::read_only)};
+    EXPECT_EQ(merge_draw(pass, draw), buffer);
+    EXPECT_EQ(pass, as_it_was);
 }
 
 TEST(PlanText, NamesMemoryAndShowsTransitions) {
