@@ -201,6 +201,7 @@ Result<void> DeviceCore::wait(uint64_t serial) {
 }
 
 Result<std::vector<std::byte>> DeviceCore::take(Readback readback) {
+    if (lost_) return tl::unexpected(*lost_);
     const ReadbackPool::Ticket* ticket = readbacks_.find(readback);
     if (!ticket)
         return drop("take",
