@@ -5,9 +5,9 @@
 const int gather_binding = 5;
 #include "cones/gather.glsl"
 
-// A group takes a block of voxels and gathers for those that hold surfaces, which are few, side by side.
-const int block_side = 8;
-const int block_size = block_side * block_side * block_side;
+// A group takes a block of cells and gathers for those that hold surfaces, which are few, side by side.
+const ivec3 block_log2 = octree_levels > 0 ? ivec3(6, 3, 0) : ivec3(3);
+const int block_size = 512;
 layout(local_size_x = 64) in;
 
 layout(push_constant) uniform Push {
@@ -21,40 +21,53 @@ layout(binding = 0, rgba8) readonly uniform image3D albedo;
 layout(binding = 1, r8) readonly uniform image3D area;
 layout(binding = 2, rgba8) readonly uniform image3D normal;
 layout(binding = 4) writeonly uniform image3D radiance;  // times opacity; a: opacity
+layout(binding = 30, std430) readonly buffer Voxels { uint data[]; } voxels;  // as voxels/octree_index.comp lists them
 
 shared uint occupied;
 shared uint places[block_size];
 
-void reflect_from(ivec3 voxel) {
-    vec4 surface = imageLoad(albedo, voxel);
-    FluxUnits units = FluxUnits(push.flux, push.lit_area, push.lights);
-    vec3 irradiance = direct_irradiance(units, voxel, imageLoad(area, voxel).r);
+// The voxel that a cell belongs to.
+ivec3 voxel_of(ivec3 cell) {
+    if (octree_levels == 0) return cell;
+    uint voxel = voxels.data[cell.x | cell.y << 8 | cell.z << 16];
+    return ivec3(uvec3(voxel, voxel >> 10, voxel >> 20) & 1023u);
+}
 
-    vec3 facing = imageLoad(normal, voxel).xyz * 2.0 - 1.0;
+ivec3 cell_in_block(uint place) {
+    ivec3 corner = ivec3(gl_WorkGroupID) << block_log2;
+    ivec3 offsets = ivec3(place) >> ivec3(0, block_log2.x, block_log2.x + block_log2.y);
+    return corner + (offsets & (ivec3(1) << block_log2) - 1);
+}
+
+void reflect_from(ivec3 cell) {
+    vec4 surface = imageLoad(albedo, cell);
+    FluxUnits units = FluxUnits(push.flux, push.lit_area, push.lights);
+    vec3 irradiance = direct_irradiance(units, cell, imageLoad(area, cell).r);
+
+    vec3 facing = imageLoad(normal, cell).xyz * 2.0 - 1.0;
     float agreement = length(facing);
     // Where a voxel's surfaces face opposite ways the mean says nothing, and both sides count.
     int sides = agreement > 0.25 ? 1 : 2;
     vec3 side = agreement > 0.25 ? facing / agreement : vec3(0, 1, 0);
     for (int i = 0; i < sides; ++i) {
-        irradiance += gather_irradiance(vec3(voxel) + 0.5, side, side) / float(sides);
+        irradiance += gather_irradiance(vec3(voxel_of(cell)) + 0.5, side, side) / float(sides);
         side = -side;
     }
-    imageStore(radiance, voxel, vec4(surface.rgb / pi * irradiance * push.radiance_scale, 1) * surface.a);
+    imageStore(radiance, cell, vec4(surface.rgb / pi * irradiance * push.radiance_scale, 1) * surface.a);
 }
 
 void main() {
     if (gl_LocalInvocationIndex == 0u) occupied = 0u;
     barrier();
-    ivec3 corner = ivec3(gl_WorkGroupID) * block_side;
     for (uint place = gl_LocalInvocationIndex; place < uint(block_size); place += gl_WorkGroupSize.x) {
-        ivec3 voxel = corner + (ivec3(place) >> ivec3(0, 3, 6) & block_side - 1);
-        if (imageLoad(albedo, voxel).a > 0.0) {
+        ivec3 cell = cell_in_block(place);
+        if (imageLoad(albedo, cell).a > 0.0) {
             places[atomicAdd(occupied, 1u)] = place;
         } else {
-            imageStore(radiance, voxel, vec4(0));
+            imageStore(radiance, cell, vec4(0));
         }
     }
     barrier();
     for (uint i = gl_LocalInvocationIndex; i < occupied; i += gl_WorkGroupSize.x)
-        reflect_from(corner + (ivec3(places[i]) >> ivec3(0, 3, 6) & block_side - 1));
+        reflect_from(cell_in_block(places[i]));
 }

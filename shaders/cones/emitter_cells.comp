@@ -2,11 +2,15 @@
 // get the same sums.
 #include "common/voxel_grid.glsl"
 #include "cones/emitter_cell.glsl"
+#define OCTREE_NODES 5
+#define OCTREE_RECORDS 6
+#include "voxels/octree_cells.glsl"
 
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
 layout(push_constant) uniform Push {
     int side;  // of the grid, in cells
+    int size;  // of a cell, in voxels
 } push;
 
 layout(binding = 0) uniform sampler3D emission;  // level 0, times opacity
@@ -19,7 +23,7 @@ void main() {
     ivec3 cell = ivec3(gl_GlobalInvocationID);
     if (!inside_grid(cell, push.side)) return;
 
-    int size = textureSize(emission, 0).x / push.side;
+    int size = push.size;
     vec3 center = (vec3(cell) + 0.5) * float(size);
     precise vec3 flux = vec3(0);
     precise float weight = 0.0;
@@ -29,13 +33,15 @@ void main() {
         for (int y = 0; y < size; ++y) {
             for (int x = 0; x < size; ++x) {
                 ivec3 voxel = cell * size + ivec3(x, y, z);
-                vec3 emitted = texelFetch(emission, voxel, 0).rgb;
+                ivec3 surface = cell_of_voxel(voxel);
+                if (surface.x < 0) continue;
+                vec3 emitted = texelFetch(emission, octree_levels > 0 ? voxel_texel(octree_nodes, voxel) : voxel, 0).rgb;
                 if (emitted == vec3(0)) continue;
                 precise vec3 part =
-                    emitted * (decode_area(texelFetch(area, voxel, 0).r) / texelFetch(albedo, voxel, 0).a);
+                    emitted * (decode_area(texelFetch(area, surface, 0).r) / texelFetch(albedo, surface, 0).a);
                 precise float w = (part.r + part.g) + part.b;
                 precise vec3 offset = (vec3(voxel) + 0.5) - center;
-                precise vec3 n = texelFetch(normal, voxel, 0).xyz * 2.0 - 1.0;
+                precise vec3 n = texelFetch(normal, surface, 0).xyz * 2.0 - 1.0;
                 flux += part;
                 weight += w;
                 moments.xyz += w * offset;

@@ -1,5 +1,6 @@
 // Irradiance by cones through the voxels (Crassin et al. 2011, Interactive Indirect Illumination Using Voxel Cone
-// Tracing). Include once per program; takes bindings gather_binding to gather_binding + 5.
+// Tracing). Include once per program; takes bindings gather_binding to gather_binding + 5
+// and that of voxels/sample.glsl.
 #include "common/constants.glsl"
 #include "common/voxel_grid.glsl"
 #include "cones/emitter_block.glsl"
@@ -76,6 +77,7 @@ const float lift = 1.5;
 // Opacity in the direction of some axis; 0 only where a level has nothing.
 float opacity_at(vec3 position, int level) {
     vec3 uvw = position / gather.resolution;
+    if (octree_levels > 0) return octree_opacity(voxel_radiance, voxel_radiance_directions, uvw, level);
     if (level == 0 || !anisotropic) return textureLod(voxel_radiance, uvw, float(level)).a;
     uvw.x = clamp(uvw.x, exp2(float(level)) / gather.resolution, 1.0 - exp2(float(level)) / gather.resolution) / 6.0;
     return textureLod(voxel_radiance_directions, uvw, float(level - 1)).a;
@@ -115,7 +117,7 @@ vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
         float squared = max(dot(path, path), 1e-6);
         vec3 direction = path * inversesqrt(squared);
         float spread = emitter.position_spread.w;
-        float flatness = length(emitter.normal.xyz);
+        float flatness = min(length(emitter.normal.xyz), 1.0);
         // Of a disk, the mean squared distance from its centre is half the square of its radius.
         float radius = sqrt(2.0 * spread);
         // What of it lies above the horizon, times the cosine there, of a sphere.
@@ -128,9 +130,13 @@ vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
         float shown = front * smoothstep(0.5, 1.5, front) * inversesqrt(squared) + 0.25 * (1.0 - flatness);
         float form = shown * max(cosine, 0.0) / max(squared + 2.0 * spread * flatness, spread);
         if (form > 0.0) {
+            // Its mean position lies under a bent surface, by this much if that is a sphere's cap. To where a surface
+            // seen whole is near, that is toward the receiver.
+            float depth = radius * sqrt((1.0 - flatness) / (2.0 + 2.0 * flatness));
+            vec3 outward = normalize(emitter.normal.xyz - (1.0 - flatness) * direction);
             sum += emitter.flux.rgb * form *
                    trace_visibility(position + lift * geometric_normal,
-                                    emitter.position_spread.xyz + lift * emitter.normal.xyz);
+                                    emitter.position_spread.xyz + (lift + depth) * outward);
         }
     }
     return sum;

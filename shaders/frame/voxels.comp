@@ -3,6 +3,7 @@
 #define CAMERA 2
 #include "common/camera.glsl"
 #include "common/voxel_grid.glsl"
+#include "voxels/octree.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -11,18 +12,20 @@ layout(push_constant) uniform Push {
     float voxels_per_metre;
     float radiance_unit;
     float emission_unit;  // 0: there is no emission
+    int resolution;       // voxels a side
 } push;
 
 layout(binding = 0) uniform sampler3D radiance;
 layout(binding = 1) uniform sampler3D emission;
 layout(binding = 3, rgba32f) writeonly uniform image2D layer;
+layout(binding = 4) uniform usampler3D nodes;  // of an octree
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, imageSize(layer)))) return;
 
     VoxelGrid grid = VoxelGrid(push.grid_origin, push.voxels_per_metre);
-    int resolution = textureSize(radiance, 0).x;
+    int resolution = push.resolution;
     // `precise`, and no unit vector: which voxel a ray enters next must not hang on how a compiler rounds.
     precise vec3 near = grid_from_world(grid, world_from_pixel(vec2(pixel) + 0.5, 0.0));
     precise vec3 far = grid_from_world(grid, world_from_pixel(vec2(pixel) + 0.5, 1.0));
@@ -43,11 +46,12 @@ void main() {
         ivec3 way = ivec3(sign(direction));
         precise vec3 next = (vec3(voxel) + max(vec3(way), 0.0) - near) / direction;
         for (int i = 0; i < 3 * 1024 && inside_grid(voxel, resolution); ++i) {
-            vec4 stored = texelFetch(radiance, voxel, 0);
+            ivec3 texel = octree_levels > 0 ? voxel_texel(nodes, voxel) : voxel;
+            vec4 stored = texel.x >= 0 ? texelFetch(radiance, texel, 0) : vec4(0);
             if (stored.a > 0.0) {
                 seen = stored.rgb / stored.a * push.radiance_unit;
                 if (push.emission_unit > 0.0)
-                    seen += texelFetch(emission, voxel, 0).rgb / stored.a * push.emission_unit;
+                    seen += texelFetch(emission, texel, 0).rgb / stored.a * push.emission_unit;
                 break;
             }
             if (next.x < next.y && next.x < next.z) {

@@ -1,29 +1,29 @@
-// Radiance that leaves each voxel's surfaces when the sun alone lights them.
+// Radiance that leaves each voxel's surfaces when analytic lights alone light them.
+#define FLUX 2
 #include "voxels/reflect.glsl"
 
 layout(local_size_x = 8, local_size_y = 4, local_size_z = 4) in;
 
 layout(push_constant) uniform Push {
-    vec3 irradiance;          // SunOnVoxels
-    float texel_voxel_faces;
-    float radiance_scale;     // stored = radiance * radiance_scale
+    vec3 flux;             // FluxUnits
+    float lit_area;
+    float lights;
+    float radiance_scale;  // stored = radiance * radiance_scale
 } push;
 
 layout(binding = 0, rgba8) readonly uniform image3D albedo;
 layout(binding = 1, r8) readonly uniform image3D area;
-layout(binding = 2, r32ui) readonly uniform uimage3D lit_texels;
 layout(binding = 3) writeonly uniform image3D radiance;  // times opacity; a: opacity
 
 void main() {
-    ivec3 voxel = ivec3(gl_GlobalInvocationID);
-    if (!inside_grid(voxel, imageSize(radiance).x)) return;
+    ivec3 cell = ivec3(gl_GlobalInvocationID);
+    if (any(greaterThanEqual(cell, imageSize(radiance)))) return;
 
-    vec4 surface = imageLoad(albedo, voxel);
+    vec4 surface = imageLoad(albedo, cell);
     vec3 leaving = vec3(0);
     if (surface.a > 0.0) {
-        SunOnVoxels sun = SunOnVoxels(push.irradiance, push.texel_voxel_faces);
-        leaving = surface.rgb / pi *
-                  sun_irradiance(sun, imageLoad(lit_texels, voxel).r, imageLoad(area, voxel).r);
+        FluxUnits units = FluxUnits(push.flux, push.lit_area, push.lights);
+        leaving = surface.rgb / pi * direct_irradiance(units, cell, imageLoad(area, cell).r);
     }
-    imageStore(radiance, voxel, vec4(leaving * push.radiance_scale, 1) * surface.a);
+    imageStore(radiance, cell, vec4(leaving * push.radiance_scale, 1) * surface.a);
 }

@@ -44,6 +44,12 @@ ivec3 brick_texel(int slot, int level) {
     return ivec3(slot & mask, slot >> shift & mask, slot >> 2 * shift) * brick_side;
 }
 
+// Where level 0's pool has a voxel; negative where no node has it.
+ivec3 voxel_texel(usampler3D nodes, ivec3 voxel) {
+    int slot = node_slot(nodes, voxel >> 2, 0);
+    return slot >= 0 ? brick_texel(slot, 0) + (voxel & 3) : ivec3(-1);
+}
+
 // Node of a word of nodes whose bit this is: occupancy_bit backwards.
 ivec3 node_of_bit(ivec3 word, int bit) {
     return word * ivec3(4, 4, 2) +

@@ -1,9 +1,14 @@
-// What a ray meets at a place in a voxel volume and at a scale: premultiplied values; a: opacity per voxel of path.
+// What a ray meets at a place among the voxels and at a scale: premultiplied values; a: opacity per voxel of path.
 //
-// The base has level 0, and isotropic mips; the directions have the anisotropic mips from 1 on, in the layout of
-// voxels/mip_directional.comp.
+// In a dense volume the base has level 0, and isotropic mips; the directions have the anisotropic mips from 1 on, in the
+// layout of voxels/mip_directional.comp. In an octree both are pools of bricks (voxels/octree.glsl): the base those of
+// level 0, the directions those of the other levels, isotropic or not.
+#include "voxels/octree.glsl"
 
 layout(constant_id = 23) const bool anisotropic = false;  // mips in six directions
+
+// The octree's. One place in every program that samples voxels, out of the way of its other bindings.
+layout(binding = 31) uniform usampler3D voxel_nodes;
 
 // Which of the six directions a ray sees, and how far it goes along each while it goes one voxel.
 struct Facing {
@@ -15,18 +20,19 @@ Facing facing_of(vec3 direction) {
     return Facing(ivec3(0, 2, 4) + ivec3(lessThan(direction, vec3(0))), abs(direction));
 }
 
-vec4 sample_directions(sampler3D directions, vec3 uvw, Facing facing, float lod, float resolution) {
-    // Half a texel of the coarser level that is filtered keeps neighbours in the atlas apart.
-    float margin = 0.5 * exp2(ceil(lod)) / (0.5 * resolution);
-    float x = margin < 0.5 ? clamp(uvw.x, margin, 1.0 - margin) : 0.5;
-    // Optical depths add along a path, opacities do not: a wall that is opaque along one axis stays so for a slanted
-    // ray. The cap keeps the depth of an opaque voxel finite.
+// What the three directions that a ray sees hold at one place.
+struct Seen {
+    vec4 along[3];
+};
+
+// Optical depths add along a path, opacities do not: a wall that is opaque along one axis stays so for a slanted ray.
+vec4 combine(Seen seen, Facing facing) {
+    // The cap keeps the depth of an opaque voxel finite.
     const float most_opaque = 0.996;
     float depth = 0.0;
     vec3 color = vec3(0);
     for (int axis = 0; axis < 3; ++axis) {
-        vec3 place = vec3((float(facing.slots[axis]) + x) / 6.0, uvw.yz);
-        vec4 stored = textureLod(directions, place, lod);
+        vec4 stored = seen.along[axis];
         float part = -facing.lengths[axis] * log(1.0 - min(stored.a, most_opaque));
         depth += part;
         color += part * stored.rgb / max(stored.a, 1e-4);
@@ -35,7 +41,100 @@ vec4 sample_directions(sampler3D directions, vec3 uvw, Facing facing, float lod,
     return depth > 0.0 ? vec4(color / depth, 1) * opacity : vec4(0);
 }
 
+vec4 sample_directions(sampler3D directions, vec3 uvw, Facing facing, float lod, float resolution) {
+    // Half a texel of the coarser level that is filtered keeps neighbours in the atlas apart.
+    float margin = 0.5 * exp2(ceil(lod)) / (0.5 * resolution);
+    float x = margin < 0.5 ? clamp(uvw.x, margin, 1.0 - margin) : 0.5;
+    Seen seen;
+    for (int axis = 0; axis < 3; ++axis) {
+        seen.along[axis] = textureLod(directions, vec3((float(facing.slots[axis]) + x) / 6.0, uvw.yz), lod);
+    }
+    return combine(seen, facing);
+}
+
+// A place in a brick's pool, in texels; `there` is false where there is nothing but empty voxels.
+struct InBrick {
+    vec3 texel;
+    bool there;
+};
+
+InBrick find_brick(vec3 uvw, int level) {
+    int side = octree_side(level);
+    vec3 place = clamp(uvw * float(side) - 0.5, vec3(0), vec3(side - 1));
+    ivec3 node = ivec3(place) / brick_voxels;
+    int slot = node_slot(voxel_nodes, node, level);
+    return InBrick(vec3(brick_texel(slot, level)) + (place - vec3(node * brick_voxels)) + 0.5, slot >= 0);
+}
+
+vec4 sample_brick(sampler3D pool, InBrick place) {
+    return place.there ? textureLod(pool, place.texel / vec3(textureSize(pool, 0)), 0.0) : vec4(0);
+}
+
+Seen sample_brick_directions(sampler3D pool, InBrick place, Facing facing) {
+    Seen seen = Seen(vec4[3](vec4(0), vec4(0), vec4(0)));
+    if (place.there) {
+        vec3 to_uvw = 1.0 / vec3(textureSize(pool, 0));
+        float width = float(brick_side << bricks_a_row_log2(1));
+        for (int axis = 0; axis < 3; ++axis) {
+            vec3 texel = place.texel + vec3(float(facing.slots[axis]) * width, 0, 0);
+            seen.along[axis] = textureLod(pool, texel * to_uvw, 0.0);
+        }
+    }
+    return seen;
+}
+
+vec4 sample_octree_isotropic(sampler3D base, sampler3D coarse, vec3 uvw, float lod) {
+    int level = int(lod);
+    float part = lod - float(level);
+    // Where a level has nothing, no finer one has.
+    vec4 value = vec4(0);
+    InBrick above = find_brick(uvw, min(level + 1, octree_levels));
+    if (above.there) {
+        InBrick here = find_brick(uvw, level);
+        vec4 finer;
+        if (level == 0) {
+            finer = sample_brick(base, here);
+        } else {
+            finer = sample_brick(coarse, here);
+        }
+        value = mix(finer, sample_brick(coarse, above), part);
+    }
+    return value;
+}
+
+vec4 sample_octree_anisotropic(sampler3D base, sampler3D coarse, vec3 uvw, Facing facing, float lod) {
+    int level = int(lod);
+    float part = lod - float(level);
+    vec4 value = vec4(0);
+    InBrick above = find_brick(uvw, min(level + 1, octree_levels));
+    if (above.there) {
+        Seen coarser = sample_brick_directions(coarse, above, facing);
+        InBrick here = find_brick(uvw, level);
+        if (level == 0) {
+            value = mix(sample_brick(base, here), combine(coarser, facing), part);
+        } else {
+            Seen seen = sample_brick_directions(coarse, here, facing);
+            for (int axis = 0; axis < 3; ++axis) {
+                seen.along[axis] = mix(seen.along[axis], coarser.along[axis], part);
+            }
+            value = combine(seen, facing);
+        }
+    }
+    return value;
+}
+
+// Opacity at a level, anisotropic in some direction; 0 only where the level has nothing.
+float octree_opacity(sampler3D base, sampler3D coarse, vec3 uvw, int level) {
+    InBrick here = find_brick(uvw, level);
+    return level == 0 ? sample_brick(base, here).a : sample_brick(coarse, here).a;
+}
+
 vec4 sample_volume(sampler3D base, sampler3D directions, vec3 uvw, Facing facing, float lod, float resolution) {
+    if (octree_levels > 0) {
+        float within = clamp(lod, 0.0, float(octree_levels));
+        return anisotropic ? sample_octree_anisotropic(base, directions, uvw, facing, within)
+                           : sample_octree_isotropic(base, directions, uvw, within);
+    }
     if (!anisotropic) return textureLod(base, uvw, lod);
     vec4 coarse = sample_directions(directions, uvw, facing, max(lod - 1.0, 0.0), resolution);
     return lod < 1.0 ? mix(textureLod(base, uvw, 0.0), coarse, lod) : coarse;

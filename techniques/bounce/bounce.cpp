@@ -7,15 +7,14 @@ namespace lumo::bounce {
 using rhi::Dimension;
 
 Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, const Needs& needs,
-                              const voxels::Settings& volume) {
+                              const voxels::Volume& volume) {
     Bounce made;
     made.settings_ = settings;
     made.needs_ = needs;
     made.distribution_ = cones::distribute(settings.cones);
     const uint32_t count = gathers(settings, needs);
     for (uint32_t i = 0; i < std::min(count, 2u); ++i) {
-        auto light = voxels::LightVolume::create(device, i == 0 ? "bounce.radiance" : "bounce.radiance_next",
-                                                 volume.resolution, volume.mips, needs.wide_range);
+        auto light = volume.create_light(device, i == 0 ? "bounce.radiance" : "bounce.radiance_next");
         if (!light) return tl::unexpected(light.error());
         made.radiance_[i] = std::move(*light);
     }
@@ -29,7 +28,9 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
                 {.gather_reflected = reflected,
                  .gather_emission = needs.emission,
                  .gather_environment = needs.environment,
-                 .anisotropic = volume.mips == voxels::MipKind::anisotropic})
+                 .anisotropic = volume.settings().mips == voxels::MipKind::anisotropic,
+                 .octree_levels = volume.octree_levels(),
+                 .several_lights = needs.several_lights})
             .map([&](auto created) { pipeline = std::move(created); });
     };
     // Emission and environment are reflected for the first time by the first gather, which must not add what
@@ -43,7 +44,11 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
 
 voxels::View Bounce::record(rhi::Commands& commands, const voxels::Volume& volume, cones::Source source) {
     const uint32_t count = gathers(settings_, needs_);
-    const uint32_t blocks = volume.settings().resolution / 8;  // block_side of shaders/bounce/bounce.comp
+    const rhi::Extent cells = volume.cells();
+    // block_log2 of shaders/bounce/bounce.comp.
+    const rhi::Groups blocks = volume.octree()
+                                   ? rhi::Groups{cells.width / 64, cells.height / 8, cells.depth}
+                                   : rhi::Groups{cells.width / 8, cells.height / 8, cells.depth / 8};
     for (uint32_t i = 0; i < count; ++i) {
         const voxels::LightVolume& target = radiance_[i % 2];
         const cones::Gather gather = cones::make_gather(commands, distribution_, source, volume_sampler_);
@@ -52,19 +57,22 @@ voxels::View Bounce::record(rhi::Commands& commands, const voxels::Volume& volum
                       {.albedo = volume.albedo().mip<Dimension::d3>(0),
                        .area = volume.area().mip<Dimension::d3>(0),
                        .normal = volume.normal().mip<Dimension::d3>(0),
-                       .lit_texels = volume.lit_texels().mip<Dimension::d3>(0),
-                       .radiance = target.base.mip<Dimension::d3>(0),
+                       .direct_flux = volume.direct_flux().mip<Dimension::d3>(0),
+                       .radiance = volume.light_cells(target),
                        .voxel_radiance = gather.radiance,
                        .voxel_radiance_directions = gather.radiance_directions,
                        .voxel_emission = gather.emission,
                        .voxel_emission_directions = gather.emission_directions,
                        .gather = gather.block,
-                       .emitters = gather.emitters},
-                      {.irradiance = volume.injected().irradiance,
-                       .texel_voxel_faces = volume.injected().texel_voxel_faces,
+                       .emitters = gather.emitters,
+                       .voxels = volume.voxel_list(),
+                       .voxel_nodes = gather.nodes},
+                      {.flux = volume.injected().flux,
+                       .lit_area = volume.injected().lit_area,
+                       .lights = volume.injected().lights,
                        .radiance_scale = volume.injected().radiance_scale},
-                      {blocks, blocks, blocks});
-        volume.mips().record(pass, target);
+                      blocks);
+        volume.spread(pass, target);
         source.volume.radiance = voxels::view_of(target);
     }
     return source.volume;

@@ -22,7 +22,7 @@ struct Settings {
 struct Needs {
     bool emission = false;
     bool environment = false;
-    bool wide_range = false;  ///< as voxels::Needs
+    bool several_lights = false;  ///< as voxels::Needs
 
     constexpr bool any_light() const { return emission || environment; }
 };
@@ -37,7 +37,7 @@ class Bounce {
   public:
     /// gathers() is at least 1. Errors: those of the device.
     static Result<Bounce> create(rhi::Device& device, const Settings& settings, const Needs& needs,
-                                 const voxels::Settings& volume);
+                                 const voxels::Volume& volume);
 
     /// What the light of `source`, which is that of `volume` after the injection, became after all bounces: the same
     /// view with another radiance.

@@ -30,7 +30,8 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
             return device.create_compute_pipeline<shaders::cones::irradiance>(
                 {.gather_emission = needs.emission,
                  .gather_environment = needs.environment,
-                 .anisotropic = needs.anisotropic});
+                 .anisotropic = needs.anisotropic,
+                 .octree_levels = needs.octree_levels});
         })
         .map([&](rhi::ComputePipeline<shaders::cones::irradiance> pipeline) {
             made.pipeline_ = std::move(pipeline);
@@ -53,7 +54,8 @@ rhi::View<Dimension::d2> Irradiance::record(rhi::Commands& commands, const gbuff
                    .voxel_emission_directions = gather.emission_directions,
                    .gather = gather.block,
                    .emitters = gather.emitters,
-                   .irradiance = irradiance_.view<Dimension::d2>()},
+                   .irradiance = irradiance_.view<Dimension::d2>(),
+                   .voxel_nodes = gather.nodes},
                   {}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
     return irradiance_.view<Dimension::d2>();
 }

@@ -64,8 +64,11 @@ rhi::UniformBuffer Emitters::record(rhi::Commands& commands, const voxels::Volum
                    .albedo = level0(volume.albedo()),
                    .area = level0(volume.area()),
                    .normal = level0(volume.normal()),
-                   .cells = cells_.slice()},
-                  {.side = finest_}, cell_groups(finest_));
+                   .cells = cells_.slice(),
+                   .octree_nodes = volume.view().nodes,
+                   .records = volume.records()},
+                  {.side = finest_, .size = int32_t(volume.settings().resolution) / finest_},
+                  cell_groups(finest_));
     for (int level = 1; level < levels_; ++level)
         pass.dispatch(merge_, {.cells = cells_.slice()}, {.finest = finest_, .level = level},
                       cell_groups(finest_ >> level));

@@ -32,7 +32,8 @@ Gather make_gather(rhi::Commands& commands, const Distribution& distribution, co
             .emission = {volume.emission.base, volume_sampler},
             .emission_directions = {volume.emission.directions, volume_sampler},
             .block = commands.uniform(gather_block(distribution, source)),
-            .emitters = source.emitters ? *source.emitters : commands.uniform(EmitterBlock{})};
+            .emitters = source.emitters ? *source.emitters : commands.uniform(EmitterBlock{}),
+            .nodes = volume.nodes};
 }
 
 }  // namespace lumo::cones

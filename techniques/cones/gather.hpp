@@ -16,9 +16,10 @@ using GatherBlock = shaders::cones::irradiance::Gather;
 
 /// What the scene needs of a gather: the options of shaders/cones/gather.glsl.
 struct Needs {
-    bool emission = false;     ///< the volume has emission
-    bool environment = false;  ///< light comes from outside the grid
-    bool anisotropic = true;   ///< the volume's mips are
+    bool emission = false;      ///< the volume has emission
+    bool environment = false;   ///< light comes from outside the grid
+    bool anisotropic = true;    ///< the volume's mips are
+    int32_t octree_levels = 0;  ///< as voxels::View
 };
 
 /// The bindings of shaders/cones/gather.glsl.
@@ -29,6 +30,7 @@ struct Gather {
     rhi::Sampled<rhi::Dimension::d3> emission_directions;
     rhi::UniformBuffer block;     ///< a GatherBlock
     rhi::UniformBuffer emitters;  ///< an EmitterBlock
+    rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> nodes;
 };
 
 /// What cones gather from. `environment` is the radiance from outside the grid, W/m²/sr. `emitters` are the volume's;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "techniques/cones/gather.hpp"
+#include "techniques/voxels/octree_statistics.hpp"
 
 namespace lumo::frame {
 namespace {
@@ -37,28 +38,37 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
     const bool environment = plan.needs("cones.environment");
     const cones::Needs gather_needs{.emission = emission,
                                     .environment = environment,
-                                    .anisotropic = settings.voxels.mips == voxels::MipKind::anisotropic};
+                                    .anisotropic = settings.voxels.mips == voxels::MipKind::anisotropic,
+                                    .octree_levels = settings.voxels.octree_levels()};
+    voxels::OctreeSize octree;
+    if (made && plan.needs("voxels") && settings.voxels.storage == voxels::Storage::octree) {
+        made = voxels::count_octree(device, geometry, settings.voxels.resolution, settings.voxels.voxelizer)
+                   .map([&](voxels::OctreeSize size) { octree = std::move(size); });
+    }
     if (made && plan.needs("voxels")) {
         made = keep(voxels::Volume::create(device, settings.voxels,
                                            {.emission = emission,
                                             .alpha_mask = plan.needs("voxels.mask"),
                                             .translucent = plan.needs("voxels.opacity"),
-                                            .sunlight = plan.needs("voxels.sunlight"),
+                                            .lights = plan.needs("voxels.light"),
+                                            .several_lights = facts.several_lights,
                                             .normals = plan.needs("voxels.bounce"),
                                             .wide_range = facts.wide_range(),
                                             .triangles = voxels::count_triangles(geometry),
-                                            .draws = uint32_t(geometry.draws.size())}),
+                                            .draws = uint32_t(geometry.draws.size()),
+                                            .octree = std::move(octree)}),
                     frame.volume_);
     }
     if (made && plan.needs("cones.emitters")) {
         made = keep(cones::Emitters::create(device, settings.voxels.resolution), frame.emitters_);
     }
     if (made && plan.needs("voxels.bounce")) {
-        made = keep(bounce::Bounce::create(
-                        device, {.bounces = settings.bounces, .cones = settings.cones.count},
-                        {.emission = emission, .environment = environment, .wide_range = facts.wide_range()},
-                        settings.voxels),
-                    frame.bounce_);
+        made = keep(
+            bounce::Bounce::create(
+                device, {.bounces = settings.bounces, .cones = settings.cones.count},
+                {.emission = emission, .environment = environment, .several_lights = facts.several_lights},
+                *frame.volume_),
+            frame.bounce_);
     }
     if (made && plan.needs("cones")) {
         made = keep(cones::Irradiance::create(device, settings.cones, gather_needs, settings.size),
@@ -94,24 +104,7 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance;
     if (volume_) {
         volume_->voxelize(commands, inputs.geometry, facts_.highest_emission);
-        std::optional<voxels::SunLight> injected;
-        const auto is_sun = [](const shadow::LitLight& lit) {
-            return lit.light.kind == scene::LightKind::directional;
-        };
-        if (lights) {
-            const auto sun = std::ranges::find_if(lights->lights, is_sun);
-            if (sun != lights->lights.end()) {
-                const shadow::LightCamera& camera = sun->cameras[0];
-                injected = {
-                    .shadow_depth = {lights->camera_depth(sun->first_camera), irradiance_->point_sampler()},
-                    .shadow_resolution = lights->resolution,
-                    .world_from_light_clip = camera.world_from_clip,
-                    .texel_area = camera.texel_size.x * camera.texel_size.y,
-                    .direction_to_sun = camera.toward_light,
-                    .irradiance = sun->light.intensity};
-            }
-        }
-        volume_->inject(commands, injected ? &*injected : nullptr);
+        volume_->inject(commands, lights ? &*lights : nullptr);
         source = {.volume = volume_->view(), .environment = inputs.environment_radiance};
         if (emitters_) source->emitters = emitters_->record(commands, *volume_);
         if (bounce_) source->volume = bounce_->record(commands, *volume_, *source);

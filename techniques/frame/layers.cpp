@@ -44,7 +44,10 @@ Result<Layers> Layers::create(rhi::Device& device, const Settings& settings) {
                    .map(keep(layers.distance_));
     }
     if (made && settings.wants(Layer::voxels)) {
-        made = device.create_compute_pipeline<shaders::frame::voxels>().map(keep(layers.voxels_));
+        made = device
+                   .create_compute_pipeline<shaders::frame::voxels>(
+                       {.octree_levels = settings.voxels.octree_levels()})
+                   .map(keep(layers.voxels_));
     }
     if (!made) return tl::unexpected(made.error());
     return layers;
@@ -104,11 +107,13 @@ void Layers::record(rhi::Commands& commands, const LayerSources& sources) {
                               {.radiance = {sources.volume->radiance.base, point_sampler_},
                                .emission = {sources.volume->emission.base, point_sampler_},
                                .camera = sources.gbuffer.camera,
-                               .layer = texture.view<Dimension::d2>()},
+                               .layer = texture.view<Dimension::d2>(),
+                               .nodes = sources.volume->nodes},
                               {.grid_origin = sources.volume->grid.origin,
                                .voxels_per_metre = 1 / sources.volume->grid.voxel_size,
                                .radiance_unit = sources.volume->radiance_unit,
-                               .emission_unit = sources.volume_emits ? sources.volume->emission_unit : 0},
+                               .emission_unit = sources.volume_emits ? sources.volume->emission_unit : 0,
+                               .resolution = int32_t(sources.volume->grid.resolution)},
                               pixel_groups(size_));
                 break;
         }

@@ -25,6 +25,7 @@ SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
     }
     facts.environment = scene.environment_radiance != glm::vec3(0);
     for (const scene::Light& light : shadow::drawn_lights(scene.lights)) {
+        facts.several_lights |= facts.lights || light.kind != scene::LightKind::directional;
         facts.lights = true;
         facts.light_cameras += shadow::camera_count(light);
     }
@@ -69,11 +70,11 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
     decide("voxels.opacity", gi && facts.alpha_blend, "some materials are blended",
            gi ? "no material has alpha mode BLEND" : no_gi);
     decide("voxels.emission", gi && facts.emission, "some materials emit", gi ? "no material emits" : no_gi);
-    decide("voxels.sunlight", gi && facts.lights, "the sun's light is injected",
+    decide("voxels.light", gi && facts.lights, "the light of analytic lights is injected",
            gi ? "the scene has no analytic light" : no_gi);
     decide("voxels.bounce", gi && (facts.emission || facts.environment || settings.bounces > 1),
            "voxels gather light from each other",
-           gi ? "all light is the sun's, reflected once by injection" : no_gi);
+           gi ? "all light is that of analytic lights, reflected once by injection" : no_gi);
     decide("cones", gi, fmt::format("{} cones a pixel", settings.cones.count), no_gi);
     decide("cones.emitters", gi && facts.emission, "small emitters are lit by one by one",
            gi ? "no material emits" : no_gi);

@@ -22,12 +22,13 @@ struct SceneFacts {
     bool emission = false;     ///< … emits light
     bool unlit = false;        ///< … shows its colour as it is
     bool normal_maps = false;
-    bool specular = false;       ///< some lit surface is not purely diffuse under these settings
-    bool environment = false;    ///< light comes from outside the scene
-    bool lights = false;         ///< analytic lights shine
-    uint32_t light_cameras = 0;  ///< shadow maps that they need
+    bool specular = false;        ///< some lit surface is not purely diffuse under these settings
+    bool environment = false;     ///< light comes from outside the scene
+    bool lights = false;          ///< analytic lights shine
+    bool several_lights = false;  ///< … and not one directional light alone
+    uint32_t light_cameras = 0;   ///< shadow maps that they need
     /// Radiance spans more than 8 bits hold: emitters and what they light, or a sky and what it does not reach.
-    bool wide_range() const { return emission || environment; }
+    bool wide_range() const { return emission || environment || several_lights; }
     float highest_emission = 0;  ///< radiance, W/m²/sr, the largest channel of any surface, before textures
 };
 

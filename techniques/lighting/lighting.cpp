@@ -90,7 +90,8 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
                                               .diffuse_materials = needs.diffuse_materials,
                                               .gather_emission = needs.gather.emission,
                                               .gather_environment = needs.gather.environment,
-                                              .anisotropic = needs.gather.anisotropic});
+                                              .anisotropic = needs.gather.anisotropic,
+                                              .octree_levels = needs.gather.octree_levels});
         });
     } else if (needs.blend) {
         done = done.and_then([&] {
@@ -136,7 +137,8 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
                                             inputs.gather->emission,
                                             inputs.gather->emission_directions,
                                             inputs.gather->block,
-                                            inputs.gather->emitters};
+                                            inputs.gather->emitters,
+                                            inputs.gather->nodes};
             else
                 return typename P::Bindings{
                     geometry.vertices,     geometry.instances,  geometry.material(draw->material),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
 #include <utility>
 
 namespace lumo::shadow {
@@ -20,6 +21,13 @@ uint32_t affordable_resolution(const Settings& settings, uint32_t cameras) {
     return resolution;
 }
 
+float extent_of(const LitLight& lit, uint32_t resolution) {
+    if (lit.light.kind == scene::LightKind::directional)
+        return lit.cameras[0].texel_area() * float(resolution) * float(resolution);
+    const bool spot = lit.light.kind == scene::LightKind::spot;
+    return 2 * glm::pi<float>() * (spot ? 1 - std::cos(lit.light.outer_cone_angle) : 2.0f);
+}
+
 Block block_of(const View& view) {
     Block block{};
     block.count = int32_t(view.lights.size());
@@ -27,7 +35,7 @@ Block block_of(const View& view) {
     // The rounding of depths: a few units of 2^-24 of the range on either side of the comparison.
     block.depth_offset = 1e-6f;
     for (size_t i = 0; i < view.lights.size(); ++i) {
-        const auto& [light, first_camera, cameras] = view.lights[i];
+        const auto& [light, first_camera, cameras, extent] = view.lights[i];
         const bool directional = light.kind == scene::LightKind::directional;
         const bool spot = light.kind == scene::LightKind::spot;
         const float outer = std::cos(light.outer_cone_angle);
@@ -114,8 +122,10 @@ View Shadow::record(rhi::Commands& commands, const scene::GeometryView& geometry
     if (settings_.position_target) view.position = position_.view<Dimension::d2_array>();
     uint32_t camera = 0;
     for (const scene::Light& light : lights) {
-        view.lights.push_back({light, camera, cameras_of(light, geometry.bounds, settings_.resolution)});
-        for (const LightCamera& each : view.lights.back().cameras) draw(commands, geometry, each, camera++);
+        LitLight& lit = view.lights.emplace_back(
+            LitLight{light, camera, cameras_of(light, geometry.bounds, settings_.resolution)});
+        lit.extent = extent_of(lit, settings_.resolution);
+        for (const LightCamera& each : lit.cameras) draw(commands, geometry, each, camera++);
     }
     view.block = commands.uniform(block_of(view));
     return view;

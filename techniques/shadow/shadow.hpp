@@ -38,6 +38,8 @@ struct LightCamera {
     glm::mat4 world_from_clip{1};
     glm::vec3 toward_light{0, 1, 0};  ///< against the direction that it looks in, unit length
     glm::vec2 texel_size{0};          ///< metres; in perspective: per metre of depth
+
+    float texel_area() const { return texel_size.x * texel_size.y; }  ///< m²
 };
 
 /// Orthographic, around the bounds as tightly as a box turned to the light can be, plus a margin of two texels for
@@ -61,6 +63,8 @@ struct LitLight {
     scene::Light light;
     uint32_t first_camera = 0;
     std::vector<LightCamera> cameras;
+    /// What its intensity is spread over: a directional light's map, m², or solid angle, sr.
+    float extent = 0;
 };
 
 /// What later passes read.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
@@ -13,6 +14,9 @@ using rhi::Format;
 
 /// sum_words of shaders/voxels/accumulator.glsl.
 uint32_t sum_words(const Needs& needs) { return 4 + (needs.normals ? 3 : 0) + (needs.translucent ? 1 : 0); }
+
+/// flux_words of shaders/voxels/flux.glsl.
+uint32_t flux_words(const Needs& needs) { return needs.several_lights ? 4 : 1; }
 
 rhi::TextureDesc volume_desc(std::string name, Format format, rhi::Extent extent) {
     return {.name = std::move(name),
@@ -128,6 +132,10 @@ Result<void> Volume::create_textures(rhi::Device& device) {
     rhi::TextureDesc sums = volume_desc("voxels.sums", Format::r32_uint, cells_);
     sums.extent.width *= words;
 
+    rhi::TextureDesc flux =
+        volume_desc("voxels.direct_flux", Format::r32_uint, needs_.lights ? cells_ : rhi::Extent{});
+    flux.extent.width *= flux_words(needs_);
+
     struct Wanted {
         rhi::Texture* texture;
         rhi::TextureDesc desc;
@@ -139,8 +147,7 @@ Result<void> Volume::create_textures(rhi::Device& device) {
         // A program's bindings are all bound: one texel stands for a volume that this frame does without.
         {&normal_,
          volume_desc("voxels.normal", Format::rgba8_unorm, needs_.normals ? cells_ : rhi::Extent{})},
-        {&lit_texels_,
-         volume_desc("voxels.lit_texels", Format::r32_uint, needs_.sunlight ? cells_ : rhi::Extent{})},
+        {&direct_flux_, std::move(flux)},
     };
     for (const Wanted& w : wanted) {
         Result<rhi::Texture> made = device.create_texture(w.desc);
@@ -206,11 +213,16 @@ Result<void> Volume::create_pipelines(rhi::Device& device) {
                        {.translucent = needs_.translucent, .normals = needs_.normals})
                    .map(keep(resolve_emission_));
     }
-    if (made && needs_.sunlight) {
-        made = device.create_compute_pipeline<shaders::voxels::light>({.octree_levels = octree_levels()})
+    if (made && needs_.lights) {
+        made = device
+                   .create_compute_pipeline<shaders::voxels::light>(
+                       {.octree_levels = octree_levels(), .several_lights = needs_.several_lights})
                    .map(keep(light_));
     }
-    if (made) made = device.create_compute_pipeline<shaders::voxels::inject>().map(keep(inject_));
+    if (made)
+        made =
+            device.create_compute_pipeline<shaders::voxels::inject>({.several_lights = needs_.several_lights})
+                .map(keep(inject_));
     return made;
 }
 
@@ -254,42 +266,83 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
     spread(pass, emission_);
 }
 
-void Volume::inject(rhi::Commands& commands, const SunLight* sun) {
-    const glm::vec3 irradiance = sun ? sun->irradiance : glm::vec3(0);
-    // Stored radiance is 1 for a white surface that faces the sun, or that an emitter touches.
-    const float unit =
-        std::max(highest(irradiance) / glm::pi<float>(), needs_.emission ? emission_unit_ : 0.0f);
-    injected_ = {.irradiance = irradiance,
-                 .texel_voxel_faces = sun ? sun->texel_area / (grid_.voxel_size * grid_.voxel_size) : 0,
-                 .radiance_scale = unit > 0 ? 1 / unit : 1};
-
-    if (sun) {
-        rhi::Pass pass = commands.pass("voxels.light");
-        pass.clear(lit_texels_.view(), std::array<uint32_t, 4>{});
-        const uint32_t groups = rhi::groups_for(sun->shadow_resolution, 16);
-        pass.dispatch(light_,
-                      {.shadow_depth = sun->shadow_depth,
-                       .area = area_.mip<Dimension::d3>(0),
-                       .lit_texels = lit_texels_.mip<Dimension::d3>(0),
-                       .octree_nodes = nodes(),
-                       .records = records()},
-                      {.world_from_light_clip = sun->world_from_light_clip,
-                       .grid_origin = grid_.origin,
-                       .voxels_per_metre = 1 / grid_.voxel_size,
-                       .direction_to_sun = sun->direction_to_sun},
-                      {groups, groups});
+void Volume::light(rhi::Commands& commands, const shadow::View& lights) {
+    const float voxel_face = grid_.voxel_size * grid_.voxel_size;
+    float flux_scale = 0, area_scale = 0;
+    if (needs_.several_lights) {
+        // Sums fit into 32 bits even where all the light falls into one voxel, and 4096 of its faces are lit.
+        float flux = 0;
+        for (const shadow::LitLight& lit : lights.lights) flux += highest(lit.light.intensity) * lit.extent;
+        flux_scale = std::ldexp(1.0f, 31) / flux;
+        area_scale = std::ldexp(1.0f, 20) / voxel_face;
+        injected_.flux = glm::vec3(1 / (flux_scale * voxel_face));
+        injected_.lit_area = std::ldexp(1.0f, -20);
+        injected_.lights = float(lights.lights.size());
+    } else {
+        const shadow::LitLight& sun = lights.lights.front();
+        injected_.lit_area = sun.cameras[0].texel_area() / voxel_face;
+        injected_.flux = sun.light.intensity * injected_.lit_area;
+        injected_.lights = 1;
     }
+
+    rhi::Pass pass = commands.pass("voxels.light");
+    pass.clear(direct_flux_.view(), std::array<uint32_t, 4>{});
+    const uint32_t groups = rhi::groups_for(lights.resolution, 16);
+    for (size_t i = 0; i < lights.lights.size(); ++i) {
+        const shadow::LitLight& lit = lights.lights[i];
+        for (size_t c = 0; c < lit.cameras.size(); ++c) {
+            pass.dispatch(light_,
+                          {.lights = lights.block,
+                           .shadow_maps = {lights.depth, point_sampler_},
+                           .area = area_.mip<Dimension::d3>(0),
+                           .direct_flux = direct_flux_.mip<Dimension::d3>(0),
+                           .octree_nodes = nodes(),
+                           .records = records()},
+                          {.world_from_clip = lit.cameras[c].world_from_clip,
+                           .grid_origin = grid_.origin,
+                           .voxels_per_metre = 1 / grid_.voxel_size,
+                           .light = int32_t(i),
+                           .camera = int32_t(lit.first_camera + c),
+                           .texel_area = lit.cameras[c].texel_area(),
+                           .area_scale = area_scale,
+                           .flux_scale = flux_scale,
+                           .resolution = int32_t(settings_.resolution)},
+                          {groups, groups});
+        }
+    }
+}
+
+void Volume::inject(rhi::Commands& commands, const shadow::View* lights) {
+    // Stored radiance is 1 for a white surface that faces the sun, or has a local light a tenth of the grid away, or
+    // that an emitter touches.
+    float unit = needs_.emission ? emission_unit_ : 0.0f;
+    injected_ = {};
+    if (lights && !lights->lights.empty()) {
+        const float distance = 0.1f * grid_.voxel_size * float(grid_.resolution);
+        for (const shadow::LitLight& lit : lights->lights) {
+            const bool sun = lit.light.kind == scene::LightKind::directional;
+            unit = std::max(
+                unit, highest(lit.light.intensity) / glm::pi<float>() / (sun ? 1 : distance * distance));
+        }
+        light(commands, *lights);
+    }
+    injected_.radiance_scale = unit > 0 ? 1 / unit : 1;
+
     rhi::Pass pass = commands.pass("voxels.inject");
     pass.dispatch(inject_,
                   {.albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
-                   .lit_texels = lit_texels_.mip<Dimension::d3>(0),
+                   .direct_flux = direct_flux_.mip<Dimension::d3>(0),
                    .radiance = light_cells(radiance_)},
                   injected_, cell_groups());
     spread(pass, radiance_);
 }
 
-int32_t Volume::octree_levels() const { return octree_ ? int32_t(octree_->levels()) : 0; }
+int32_t Settings::octree_levels() const {
+    return storage == Storage::octree ? std::countr_zero(resolution) : 0;
+}
+
+int32_t Volume::octree_levels() const { return settings_.octree_levels(); }
 
 rhi::Sampled<Dimension::d3, rhi::TexelKind::uint> Volume::nodes() const {
     if (octree_) return octree_->nodes();

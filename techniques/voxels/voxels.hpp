@@ -21,6 +21,7 @@
 #include "shaders/voxels/voxelize.hpp"
 #include "shaders/voxels/voxelize_large.hpp"
 #include "shaders/voxels/voxelize_small.hpp"
+#include "techniques/shadow/shadow.hpp"
 #include "techniques/voxels/light_volume.hpp"
 #include "techniques/voxels/octree.hpp"
 #include "techniques/voxels/voxelizer.hpp"
@@ -35,34 +36,28 @@ struct Settings {
     MipKind mips = MipKind::anisotropic;
     VoxelizerKind voxelizer = VoxelizerKind::compute;
     Storage storage = Storage::dense;
+
+    /// log2 of the resolution; 0: a dense volume.
+    int32_t octree_levels() const;
 };
 
 /// What the scene needs of the volume; nothing else is made.
 struct Needs {
-    bool emission = false;     ///< some surface emits
-    bool alpha_mask = false;   ///< some surface is cut out by its texture's alpha
-    bool translucent = false;  ///< some surface is blended
-    bool sunlight = false;     ///< there is a sun to inject
-    bool normals = false;      ///< light is reflected on from voxel to voxel
-    bool wide_range = false;   ///< radiance needs more than 8 bits
-    uint64_t triangles = 0;    ///< most that voxelize() is given, instances counted
-    uint32_t draws = 0;        ///< most that voxelize() is given
-    OctreeSize octree = {};    ///< room for an octree (count_octree); of a dense volume nothing is asked
+    bool emission = false;        ///< some surface emits
+    bool alpha_mask = false;      ///< some surface is cut out by its texture's alpha
+    bool translucent = false;     ///< some surface is blended
+    bool lights = false;          ///< there are analytic lights to inject
+    bool several_lights = false;  ///< … and not one directional light alone
+    bool normals = false;         ///< light is reflected on from voxel to voxel
+    bool wide_range = false;      ///< radiance needs more than 8 bits
+    uint64_t triangles = 0;       ///< most that voxelize() is given, instances counted
+    uint32_t draws = 0;           ///< most that voxelize() is given
+    OctreeSize octree = {};       ///< room for an octree (count_octree); of a dense volume nothing is asked
 };
 
 /// The smallest grid that holds the bounds with half a voxel around them, so that walls on the bounds lie
 /// inside voxels instead of on their faces.
 Grid fit_grid(const scene::Bounds& bounds, uint32_t resolution);
-
-/// The sun's light as its shadow map saw it.
-struct SunLight {
-    rhi::Sampled<rhi::Dimension::d2> shadow_depth;  ///< orthographic, depth 1 where nothing was hit
-    uint32_t shadow_resolution = 0;                 ///< texels a side
-    glm::mat4 world_from_light_clip{1};
-    float texel_area = 0;  ///< of a shadow texel on a plane facing the sun, m²
-    glm::vec3 direction_to_sun{0, 1, 0};
-    glm::vec3 irradiance{0};  ///< W/m² on that plane
-};
 
 /// What cones read. Volumes hold values times opacity; times their unit they are W/m²/sr.
 struct View {
@@ -99,12 +94,12 @@ class Volume {
     /// Fills albedo, area, normal and emission from geometry. `max_emission` is the highest radiance of any
     /// emitter, W/m²/sr.
     void voxelize(rhi::Commands& commands, const scene::GeometryView& geometry, float max_emission);
-    /// Fills the radiance from the sun, or with opacity alone, and makes its mips.
-    void inject(rhi::Commands& commands, const SunLight* sun);
+    /// Fills the radiance with what the lights' shadow maps saw, or with opacity alone, and makes its mips.
+    void inject(rhi::Commands& commands, const shadow::View* lights);
 
     View view() const;
     const Settings& settings() const { return settings_; }
-    /// The sun as inject() was given it: irradiance, and a shadow texel's area in voxel faces.
+    /// The units of direct_flux(), and the radiance's scale.
     const shaders::voxels::inject::Push& injected() const { return injected_; }
 
     /// Textures for light of this volume's voxels.
@@ -112,11 +107,16 @@ class Volume {
     /// What a program that runs once per cell writes of such a light; spread() takes it from there.
     rhi::View<rhi::Dimension::d3> light_cells(const LightVolume& light) const;
     /// Every level of a light from its cells.
+    void light(rhi::Commands& commands, const shadow::View& lights);
     void spread(rhi::Pass& pass, const LightVolume& light) const;
+    int32_t octree_levels() const;  ///< log2 of the resolution; 0: a dense volume
+    rhi::Extent cells() const { return cells_; }
     /// Groups of 8 x 4 x 4 that cover the cells.
     rhi::Groups cell_groups() const;
     /// Where the cells' voxels are, as Octree::voxels; of a dense volume 4 bytes that nothing reads.
     rhi::BufferSlice voxel_list() const;
+    /// Of the octree's nodes; of a dense volume bytes that nothing reads.
+    rhi::BufferSlice records() const;
     /// None of a dense volume.
     const Octree* octree() const { return octree_ ? &*octree_ : nullptr; }
 
@@ -124,7 +124,7 @@ class Volume {
     const rhi::Texture& albedo() const { return albedo_; }  ///< rgba8_unorm; a: opacity, 0 where empty
     const rhi::Texture& area() const { return area_; }      ///< r8_unorm, encode_area of voxel_grid.glsl
     const rhi::Texture& normal() const { return normal_; }  ///< rgba8_unorm, mean normal * 0.5 + 0.5
-    const rhi::Texture& lit_texels() const { return lit_texels_; }  ///< r32_uint
+    const rhi::Texture& direct_flux() const { return direct_flux_; }  ///< r32_uint, shaders/voxels/flux.glsl
     const LightVolume& radiance() const { return radiance_; }
     const LightVolume& emission() const { return emission_; }  ///< empty where nothing emits
 
@@ -132,9 +132,7 @@ class Volume {
     Result<void> create_octree(rhi::Device& device);
     Result<void> create_textures(rhi::Device& device);
     Result<void> create_pipelines(rhi::Device& device);
-    int32_t octree_levels() const;
     rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> nodes() const;
-    rhi::BufferSlice records() const;
 
     Settings settings_;
     Needs needs_;
@@ -147,7 +145,7 @@ class Volume {
     rhi::Texture albedo_;
     rhi::Texture area_;
     rhi::Texture normal_;
-    rhi::Texture lit_texels_;
+    rhi::Texture direct_flux_;
     LightVolume radiance_;
     LightVolume emission_;
 

@@ -1,4 +1,4 @@
-// The sun's light in the voxels against closed forms: radiance, flux, shadow; and mips against the mean.
+// The light of analytic lights in the voxels against closed forms: radiance, flux, shadow; and mips against the mean.
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -120,6 +120,75 @@ TEST_P(VoxelLightTest, BallReflectsTheFluxOfItsDisc) {
     }
 }
 
+/// The inside of a room of this half side, turned off the grid's axes.
+scene::Scene room(float half) {
+    scene::Scene scene;
+    auto walls = scene::builtin::box(glm::vec3(-half), glm::vec3(half));
+    add(scene, std::move(walls), diffuse(albedo),
+        glm::rotate(glm::mat4(1), 0.4f, glm::normalize(glm::vec3(1, 2, 3))));
+    return scene;
+}
+
+/// W of green that a light sends out: the integral of KHR_lights_punctual's cone.
+double power_of(const scene::Light& light) {
+    if (light.kind == scene::LightKind::point) return 4 * glm::pi<double>() * double(light.intensity.g);
+    const double inner = std::cos(double(light.inner_cone_angle)),
+                 outer = std::cos(double(light.outer_cone_angle));
+    // 2 pi times the integral of ((c - outer) / (inner - outer))² between the angles, and of 1 within.
+    return 2 * glm::pi<double>() * double(light.intensity.g) * ((inner - outer) / 3 + 1 - inner);
+}
+
+/// All that a light within a closed room sends out falls on its walls.
+TEST_P(VoxelLightTest, RoomReceivesAllThatItsLightsSend) {
+    const scene::Scene scene = room(1);
+    const std::vector<scene::Light> one{
+        {.kind = scene::LightKind::point, .intensity = {4, 2, 1}, .position = {0.3f, -0.2f, 0.1f}}};
+    const std::vector<scene::Light> spot{{.kind = scene::LightKind::spot,
+                                          .intensity = {1, 5, 2},
+                                          .position = {-0.4f, 0.1f, 0.2f},
+                                          .direction = glm::normalize(glm::vec3(1, 0.2f, -0.3f)),
+                                          .inner_cone_angle = 0.3f,
+                                          .outer_cone_angle = 0.8f}};
+    // A light a thousand times dimmer is not lost beside the other.
+    const std::vector<scene::Light> unequal{{.kind = scene::LightKind::point, .intensity = {4000, 0, 4000}},
+                                            {.kind = scene::LightKind::point, .intensity = {0, 4, 0}}};
+    std::vector<scene::Light> both = one;
+    both.push_back(spot[0]);
+    for (const auto& lights : {one, spot, unequal, both}) {
+        double power = 0;
+        for (const scene::Light& light : lights) power += power_of(light);
+        const Voxelized voxelized =
+            voxelize(device(), scene,
+                     {.resolution = 64, .lights = lights, .shadow_resolution = 512, .wide_range = true});
+        const Lit lit = measure(device(), voxelized, [](glm::dvec3) { return true; });
+        EXPECT_NEAR(lit.flux, double(albedo.g) * power, 0.03 * double(albedo.g) * power);
+    }
+}
+
+/// A floor under a point light: irradiance falls as the cube of the cosine.
+TEST_P(VoxelLightTest, FloorUnderAPointLight) {
+    scene::Scene scene;
+    add(scene, scene::builtin::parallelogram({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}), diffuse(albedo));
+    const scene::Light light{
+        .kind = scene::LightKind::point, .intensity = glm::vec3(3), .position = {0, 1, 0}};
+    const Voxelized voxelized = voxelize(
+        device(), scene, {.resolution = 64, .lights = {light}, .shadow_resolution = 512, .wide_range = true});
+    for (const double radius : {0.0, 0.5, 1.0, 1.5}) {
+        double expected = 0;
+        int count = 0;
+        const double band = 0.15;
+        const Lit lit = measure(device(), voxelized, [&](glm::dvec3 p) {
+            const double r = std::hypot(p.x, p.z);
+            if (std::abs(r - radius) > band) return false;
+            expected += 3 / std::pow(1 + r * r, 1.5) * double(albedo.g) / glm::pi<double>();
+            ++count;
+            return true;
+        });
+        expected /= count;
+        EXPECT_NEAR(lit.mean_of_voxels, expected, 0.05 * expected) << radius;
+    }
+}
+
 TEST_P(VoxelLightTest, NothingIsLitBehindAnOccluder) {
     scene::Scene scene;
     add(scene, scene::builtin::parallelogram({-2, 0, 2}, {4, 0, 0}, {0, 0, -4}), diffuse(albedo));
@@ -129,7 +198,7 @@ TEST_P(VoxelLightTest, NothingIsLitBehindAnOccluder) {
         const Voxelized voxelized = voxelize(
             device(), scene,
             {.resolution = 64, .sun = Sun{glm::normalize(direction), irradiance}, .shadow_resolution = 1024});
-        const VolumeTexels lit = read_volume(device(), voxelized.volume.lit_texels());
+        const VolumeTexels lit = read_volume(device(), voxelized.volume.direct_flux());
         const VolumeTexels radiance = read_volume(device(), voxelized.volume.radiance().base);
         const double voxel = double(voxelized.grid.voxel_size);
         int in_shadow = 0, in_light = 0, under_box = 0;

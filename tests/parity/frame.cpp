@@ -147,7 +147,7 @@ TEST_P(FramePlanTest, NothingOutsideThePlanIsRunOrHeld) {
         {"voxels.emission",
          {"voxels.clear_emission", "voxels.voxelize_emission", "voxels.emission"},
          {"voxels.emission"}},
-        {"voxels.sunlight", {"voxels.light"}, {}},
+        {"voxels.light", {"voxels.light"}, {}},
         {"voxels.bounce", {"bounce"}, {"bounce."}},
         {"cones", {"cones.irradiance"}, {"cones."}},
         {"blend", {"lighting.blend"}, {}},

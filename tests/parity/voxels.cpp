@@ -71,7 +71,7 @@ TEST_F(VoxelParityTest, UntexturedScenesAreEqualToTheBit) {
             compare_mips(a.volume.albedo(), b.volume.albedo(), expect_equal_bits);
             compare_mips(a.volume.area(), b.volume.area(), expect_equal_bits);
             compare_mips(a.volume.normal(), b.volume.normal(), expect_equal_bits);
-            compare_mips(a.volume.lit_texels(), b.volume.lit_texels(), expect_equal_bits);
+            compare_mips(a.volume.direct_flux(), b.volume.direct_flux(), expect_equal_bits);
             compare_volumes(a.volume.radiance(), b.volume.radiance(), expect_equal_bits);
             if (highest_emission(scene) > 0)
                 compare_volumes(a.volume.emission(), b.volume.emission(), expect_equal_bits);
@@ -83,6 +83,22 @@ TEST_F(VoxelParityTest, UntexturedScenesAreEqualToTheBit) {
     }
 }
 
+TEST_F(VoxelParityTest, LightOfSeveralLightsIsEqualToTheBit) {
+    const scene::Scene scene = turned_scene();
+    const VoxelOptions options{
+        .resolution = 64,
+        .sun = Sun{},
+        .lights = {{.kind = scene::LightKind::point, .intensity = {3, 2, 1}, .position = {0.1f, 1.7f, 0.4f}},
+                   {.kind = scene::LightKind::spot,
+                    .intensity = {9, 0.5f, 4},
+                    .position = {-1, 2, 1},
+                    .direction = glm::normalize(glm::vec3(0.4f, -1, -0.5f))}},
+        .wide_range = true};
+    const Voxelized a = voxelize(gl(), scene, options), b = voxelize(vulkan(), scene, options);
+    compare_mips(a.volume.direct_flux(), b.volume.direct_flux(), expect_equal_bits);
+    compare_volumes(a.volume.radiance(), b.volume.radiance(), expect_equal_bits);
+}
+
 TEST_F(VoxelParityTest, TexturedAtriumIsWithinOneStep) {
     const scene::Scene scene = value_of(scene::make_builtin("atrium"));
     const VoxelOptions options{.resolution = 64, .sun = sun_of(scene), .normals = true};
@@ -90,7 +106,7 @@ TEST_F(VoxelParityTest, TexturedAtriumIsWithinOneStep) {
     // Occupancy, area and light come from geometry alone.
     compare_mips(a.volume.area(), b.volume.area(), expect_equal_bits);
     compare_mips(a.volume.normal(), b.volume.normal(), expect_equal_bits);
-    compare_mips(a.volume.lit_texels(), b.volume.lit_texels(), expect_equal_bits);
+    compare_mips(a.volume.direct_flux(), b.volume.direct_flux(), expect_equal_bits);
     const auto one_step = [](const VolumeTexels& gl, const VolumeTexels& vulkan) {
         size_t occupied = 0, different = 0;
         float worst = 0;

@@ -116,6 +116,7 @@ inline scene::Scene without_textures(scene::Scene scene) {
 struct VoxelOptions {
     uint32_t resolution = 32;
     std::optional<Sun> sun = {};
+    std::vector<scene::Light> lights = {};  ///< beside the sun
     uint32_t shadow_resolution = 512;
     bool normals = false;
     bool wide_range = false;
@@ -142,8 +143,11 @@ inline float highest_emission(const scene::Scene& scene) {
 inline Voxelized voxelize(rhi::Device& device, const scene::Scene& scene, const VoxelOptions& options) {
     const scene::GpuScene gpu = value_of(scene::GpuScene::create(device, scene, true));
     const scene::GeometryView geometry = gpu.view();
+    std::vector<scene::Light> lights = options.lights;
+    if (options.sun) lights.insert(lights.begin(), light_of(*options.sun));
     voxels::Needs needs{.emission = highest_emission(scene) > 0,
-                        .sunlight = options.sun.has_value(),
+                        .lights = !lights.empty(),
+                        .several_lights = options.sun ? lights.size() > 1 : !lights.empty(),
                         .normals = options.normals,
                         .wide_range = options.wide_range,
                         .triangles = voxels::count_triangles(geometry),
@@ -157,26 +161,20 @@ inline Voxelized voxelize(rhi::Device& device, const scene::Scene& scene, const 
             device, {.resolution = options.resolution, .mips = options.mips, .voxelizer = options.voxelizer},
             needs)),
         .grid = voxels::fit_grid(geometry.bounds, options.resolution)};
-    std::optional<shadow::Shadow> shadow;
-    rhi::Sampler point = value_of(device.create_sampler(
-        {.magnification = rhi::FilterMode::nearest, .minification = rhi::FilterMode::nearest}));
+    uint32_t cameras = 0;
+    for (const scene::Light& light : lights) cameras += shadow::camera_count(light);
+    auto shadow =
+        value_of(shadow::Shadow::create(device, {.resolution = options.shadow_resolution},
+                                        {.alpha_mask = needs.alpha_mask, .cameras = std::max(cameras, 1u)}));
 
     rhi::Commands commands = device.begin();
-    std::optional<voxels::SunLight> sun;
-    if (options.sun) {
-        shadow = value_of(shadow::Shadow::create(device, {.resolution = options.shadow_resolution},
-                                                 {.alpha_mask = needs.alpha_mask}));
-        const shadow::View view = shadow->record(commands, geometry, std::array{light_of(*options.sun)});
-        const shadow::LightCamera& camera = result.light = view.lights[0].cameras[0];
-        sun = {.shadow_depth = {view.camera_depth(0), point},
-               .shadow_resolution = view.resolution,
-               .world_from_light_clip = camera.world_from_clip,
-               .texel_area = camera.texel_size.x * camera.texel_size.y,
-               .direction_to_sun = camera.toward_light,
-               .irradiance = options.sun->irradiance};
+    std::optional<shadow::View> seen;
+    if (!lights.empty()) {
+        seen = shadow.record(commands, geometry, lights);
+        result.light = seen->lights[0].cameras[0];
     }
     result.volume.voxelize(commands, geometry, highest_emission(scene));
-    result.volume.inject(commands, sun ? &*sun : nullptr);
+    result.volume.inject(commands, seen ? &*seen : nullptr);
     value_of(device.wait(device.submit(std::move(commands))));
     return result;
 }

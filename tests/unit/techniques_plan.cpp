@@ -46,7 +46,7 @@ TEST(Plan, SunAlone) {
     SceneFacts facts = surfaces();
     facts.lights = true;
     EXPECT_THAT(needed(make_plan(facts, {})),
-                UnorderedElementsAre("gbuffer", "shadow", "voxels", "voxels.sunlight", "cones", "lighting",
+                UnorderedElementsAre("gbuffer", "shadow", "voxels", "voxels.light", "cones", "lighting",
                                      "lighting.specular", "post"));
     // Injection is the first reflection; a second has to be gathered.
     EXPECT_TRUE(make_plan(facts, {.bounces = 2}).needs("voxels.bounce"));
@@ -60,7 +60,7 @@ TEST(Plan, EmittersAlone) {
                 UnorderedElementsAre("gbuffer", "gbuffer.emission", "voxels", "voxels.emission",
                                      "voxels.bounce", "cones", "cones.emitters", "lighting",
                                      "lighting.specular", "post"));
-    EXPECT_THAT(item(plan, "shadow").why, HasSubstr("no directional light"));
+    EXPECT_THAT(item(plan, "shadow").why, HasSubstr("no analytic light"));
 }
 
 TEST(Plan, EnvironmentAlone) {
@@ -124,11 +124,11 @@ TEST(Plan, FullForcesEverythingAndSaysSo) {
                 ASSERT_EQ(full.items[i].why, prefix + automatic.items[i].why);
             }
             // Nothing that works on voxels without the voxels.
-            for (const char* part : {"voxels.mask", "voxels.opacity", "voxels.emission", "voxels.sunlight",
+            for (const char* part : {"voxels.mask", "voxels.opacity", "voxels.emission", "voxels.light",
                                      "voxels.bounce", "cones", "cones.environment"}) {
                 ASSERT_TRUE(!automatic.needs(part) || automatic.needs("voxels")) << part;
             }
-            ASSERT_TRUE(!automatic.needs("voxels.sunlight") || automatic.needs("shadow"));
+            ASSERT_TRUE(!automatic.needs("voxels.light") || automatic.needs("shadow"));
         }
     }
 }
