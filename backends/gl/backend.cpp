@@ -549,6 +549,7 @@ void GlBackend::run(const rhi::CopyTextureToBufferCommand& command) {
 }
 
 void GlBackend::run(const rhi::FillBufferCommand& command) {
+    state_.unpack(0);  // Mesa takes the value as it would a texel
     glClearNamedBufferSubData(resources_.buffer(command.destination.buffer), GL_R32UI,
                               GLintptr(command.destination.offset), GLsizeiptr(command.destination.size),
                               GL_RED_INTEGER, GL_UNSIGNED_INT, &command.value);

@@ -51,27 +51,43 @@ constexpr std::array<TextureTarget, TextureAt::targets> texture_targets{{
     {GL_TEXTURE_2D_MULTISAMPLE, GL_TEXTURE_BINDING_2D_MULTISAMPLE},
 }};
 
+struct SubroutineStage {
+    GLenum stage;
+    GLenum uniforms;
+};
+constexpr SubroutineStage subroutine_stages[] = {
+    {GL_VERTEX_SHADER, GL_VERTEX_SUBROUTINE_UNIFORM},
+    {GL_TESS_CONTROL_SHADER, GL_TESS_CONTROL_SUBROUTINE_UNIFORM},
+    {GL_TESS_EVALUATION_SHADER, GL_TESS_EVALUATION_SUBROUTINE_UNIFORM},
+    {GL_GEOMETRY_SHADER, GL_GEOMETRY_SUBROUTINE_UNIFORM},
+    {GL_FRAGMENT_SHADER, GL_FRAGMENT_SUBROUTINE_UNIFORM},
+    {GL_COMPUTE_SHADER, GL_COMPUTE_SUBROUTINE_UNIFORM},
+};
+
 }  // namespace
 
 Subroutines::Value Subroutines::read(GLuint) {
     const auto whole = GLuint(integer(GL_CURRENT_PROGRAM));
     const auto pipeline = GLuint(integer(GL_PROGRAM_PIPELINE_BINDING));
     Value value;
-    for (size_t i = 0; i < stages.size(); ++i) {
-        GLint program = GLint(whole), locations = 0;
-        if (!whole && pipeline) glGetProgramPipelineiv(pipeline, stages[i], &program);
-        if (!program) continue;
-        glGetProgramStageiv(GLuint(program), stages[i], GL_ACTIVE_SUBROUTINE_UNIFORM_LOCATIONS, &locations);
+    for (size_t i = 0; i < value.size(); ++i) {
+        const auto [stage, uniforms] = subroutine_stages[i];
+        GLint program = GLint(whole), used = 0, locations = 0;
+        if (!whole && pipeline) glGetProgramPipelineiv(pipeline, stage, &program);
+        if (program) glGetProgramInterfaceiv(GLuint(program), uniforms, GL_ACTIVE_RESOURCES, &used);
+        if (!used) continue;
+        glGetProgramStageiv(GLuint(program), stage, GL_ACTIVE_SUBROUTINE_UNIFORM_LOCATIONS, &locations);
         value[i].resize(size_t(locations));
         for (GLint location = 0; location < locations; ++location)
-            glGetUniformSubroutineuiv(stages[i], location, &value[i][size_t(location)]);
+            glGetUniformSubroutineuiv(stage, location, &value[i][size_t(location)]);
     }
     return value;
 }
 
 void Subroutines::write(GLuint, const Value& value) {
-    for (size_t i = 0; i < stages.size(); ++i)
-        if (!value[i].empty()) glUniformSubroutinesuiv(stages[i], GLsizei(value[i].size()), value[i].data());
+    for (size_t i = 0; i < value.size(); ++i)
+        if (!value[i].empty())
+            glUniformSubroutinesuiv(subroutine_stages[i].stage, GLsizei(value[i].size()), value[i].data());
 }
 
 ClipControl::Value ClipControl::read(GLuint) {

@@ -103,10 +103,7 @@ using UniformBuffer = BufferBinding<GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER
 
 /// Of a host's program, or pipeline of programs: glUseProgram resets them.
 struct Subroutines {
-    static constexpr std::array<GLenum, 6> stages{GL_VERTEX_SHADER,          GL_TESS_CONTROL_SHADER,
-                                                  GL_TESS_EVALUATION_SHADER, GL_GEOMETRY_SHADER,
-                                                  GL_FRAGMENT_SHADER,        GL_COMPUTE_SHADER};
-    using Value = std::array<std::vector<GLuint>, stages.size()>;
+    using Value = std::array<std::vector<GLuint>, 6>;  ///< by stage
     static Value read(GLuint);
     static void write(GLuint, const Value& value);
 };

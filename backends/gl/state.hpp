@@ -56,13 +56,15 @@ class BoundState {
     template <GLenum... names>
     using AllPixelStores = std::tuple<Piece<piece::PixelStore<names>>...>;
 
-    /// Off for every draw, clear and blit of lumo's, which uses none of them.
+    /// Off for every draw, clear and blit of lumo's, which uses none of them. (Mesa offsets filled polygons by either
+    /// of the other offsets too.)
     using Unused =
         AllEnabled<GL_DITHER, GL_STENCIL_TEST, GL_COLOR_LOGIC_OP, GL_RASTERIZER_DISCARD, GL_PRIMITIVE_RESTART,
                    GL_PRIMITIVE_RESTART_FIXED_INDEX, GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE,
                    GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_SAMPLE_SHADING, GL_LINE_SMOOTH, GL_POLYGON_SMOOTH,
-                   GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1, GL_CLIP_DISTANCE2, GL_CLIP_DISTANCE3,
-                   GL_CLIP_DISTANCE4, GL_CLIP_DISTANCE5, GL_CLIP_DISTANCE6, GL_CLIP_DISTANCE7>;
+                   GL_POLYGON_OFFSET_LINE, GL_POLYGON_OFFSET_POINT, GL_CLIP_DISTANCE0, GL_CLIP_DISTANCE1,
+                   GL_CLIP_DISTANCE2, GL_CLIP_DISTANCE3, GL_CLIP_DISTANCE4, GL_CLIP_DISTANCE5,
+                   GL_CLIP_DISTANCE6, GL_CLIP_DISTANCE7>;
     /// 0 for every transfer of texels; alignments apart, which are 1.
     using Packing =
         AllPixelStores<GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST, GL_PACK_ROW_LENGTH, GL_PACK_IMAGE_HEIGHT,

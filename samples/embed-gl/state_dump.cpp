@@ -4,6 +4,7 @@
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <set>
 #include <span>
 #include <string_view>
 
@@ -252,13 +253,16 @@ constexpr Name queries[] = {
     {"GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN", GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN},
     {"GL_TIME_ELAPSED", GL_TIME_ELAPSED},
 };
-constexpr Name stages[] = {
-    {"GL_VERTEX_SHADER", GL_VERTEX_SHADER},
-    {"GL_TESS_CONTROL_SHADER", GL_TESS_CONTROL_SHADER},
-    {"GL_TESS_EVALUATION_SHADER", GL_TESS_EVALUATION_SHADER},
-    {"GL_GEOMETRY_SHADER", GL_GEOMETRY_SHADER},
-    {"GL_FRAGMENT_SHADER", GL_FRAGMENT_SHADER},
-    {"GL_COMPUTE_SHADER", GL_COMPUTE_SHADER},
+struct Stage {
+    GLenum stage, subroutine_uniforms;
+};
+constexpr Stage stages[] = {
+    {GL_VERTEX_SHADER, GL_VERTEX_SUBROUTINE_UNIFORM},
+    {GL_TESS_CONTROL_SHADER, GL_TESS_CONTROL_SUBROUTINE_UNIFORM},
+    {GL_TESS_EVALUATION_SHADER, GL_TESS_EVALUATION_SUBROUTINE_UNIFORM},
+    {GL_GEOMETRY_SHADER, GL_GEOMETRY_SUBROUTINE_UNIFORM},
+    {GL_FRAGMENT_SHADER, GL_FRAGMENT_SUBROUTINE_UNIFORM},
+    {GL_COMPUTE_SHADER, GL_COMPUTE_SUBROUTINE_UNIFORM},
 };
 
 GLint integer(GLenum name) {
@@ -356,6 +360,7 @@ class Dump {
         glActiveTexture(GLenum(active));
     }
     void read_texture(GLuint texture) {
+        if (!textures_.insert(texture).second) return;
         for (const Name& name : texture_parameters) {
             std::array<GLfloat, 4> values{};
             glGetTextureParameterfv(texture, name.name, values.data());
@@ -397,18 +402,21 @@ class Dump {
     void read_subroutines() {
         const auto program = GLuint(integer(GL_CURRENT_PROGRAM));
         if (!program) return;
-        for (const Name& stage : stages) {
-            GLint locations = 0;
-            glGetProgramStageiv(program, stage.name, GL_ACTIVE_SUBROUTINE_UNIFORM_LOCATIONS, &locations);
+        for (const auto [stage, uniforms] : stages) {
+            GLint used = 0, locations = 0;
+            glGetProgramInterfaceiv(program, uniforms, GL_ACTIVE_RESOURCES, &used);
+            if (!used) continue;  // perhaps the program has no such stage, of which nothing may be asked
+            glGetProgramStageiv(program, stage, GL_ACTIVE_SUBROUTINE_UNIFORM_LOCATIONS, &locations);
             for (GLint i = 0; i < locations; ++i) {
                 GLuint index = 0;
-                glGetUniformSubroutineuiv(stage.name, i, &index);
-                put(fmt::format("subroutine of {}", stage.text), i, index);
+                glGetUniformSubroutineuiv(stage, i, &index);
+                put(fmt::format("subroutine of stage {:#x}", stage), i, index);
             }
         }
     }
 
     StateDump dump_;
+    std::set<GLuint> textures_;  ///< read already
 };
 
 }  // namespace
