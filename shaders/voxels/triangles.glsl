@@ -18,7 +18,7 @@ const float farthest_corner = 2097152.0;
 
 // What a small triangle is. At most so many columns are worth one thread's while, and with so short sides all of its
 // arithmetic fits 32 bits.
-const int small_columns = 32;
+const int small_columns = 128;
 const int small_side = 63 * voxel_units;
 
 struct Triangle {

@@ -54,7 +54,7 @@ struct LargeTriangles {
 /// along one axis each.
 struct LargeArguments {
     uint32_t groups_x = 0;
-    uint32_t groups_y = 4;
+    uint32_t groups_y = 1;
     uint32_t groups_z = 3;
     uint32_t count = 0;
 };
@@ -187,7 +187,8 @@ void Voxelizer<Destination>::record(rhi::Commands& commands, std::string_view pa
     }
 
     rhi::Pass pass = commands.pass(pass_name);
-    const std::vector<LargeArguments> none_yet(draws_);
+    // More groups share a triangle where it may cover many columns.
+    const std::vector<LargeArguments> none_yet(draws_, {.groups_y = std::max(grid.resolution / 128, 1u)});
     pass.upload(large_arguments_.slice(), std::as_bytes(std::span(none_yet)));
     const LargeTriangles large{large_arguments_.slice(), large_list_.slice()};
     // All small ones first: a barrier in all, not one a draw.
