@@ -139,7 +139,9 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
             });
     setting("--gi", "on|off", "on", "indirect light",
             one_of<bool>(&frame.gi, {{"on", true}, {"off", false}}));
-    setting("--storage", "vt", "vt", "of the voxels: a volume texture", only("vt"));
+    setting("--storage", "vt|svo", "vt", "of the voxels: a volume texture, or a sparse octree",
+            one_of<voxels::Storage>(&frame.voxels.storage, {{"vt", voxels::Storage::dense},
+                                                            {"svo", voxels::Storage::octree}}));
     setting("--voxels", "N", fmt::to_string(frame.voxels.resolution), "a side: a power of two, 16 to 1024",
             into(frame.voxels.resolution, parse_voxels));
     setting("--mips", "iso|ani", "ani", "of the voxels: isotropic, or anisotropic in six directions",

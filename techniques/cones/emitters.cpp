@@ -19,9 +19,9 @@ rhi::Groups cell_groups(int side) {
 
 }  // namespace
 
-Result<Emitters> Emitters::create(rhi::Device& device, uint32_t resolution) {
+Result<Emitters> Emitters::create(rhi::Device& device, const voxels::Settings& volume) {
     Emitters made;
-    made.finest_ = std::clamp(int(resolution) / 4, coarsest, most);
+    made.finest_ = std::clamp(int(volume.resolution) / 4, coarsest, most);
     uint64_t cells = 0;
     for (int side = made.finest_; side >= coarsest; side /= 2, ++made.levels_)
         cells += uint64_t(side) * uint64_t(side) * uint64_t(side);
@@ -43,7 +43,10 @@ Result<Emitters> Emitters::create(rhi::Device& device, uint32_t resolution) {
                 .map(keep(made.sampler_));
         })
         .and_then([&] {
-            return device.create_compute_pipeline<shaders::cones::emitter_cells>().map(keep(made.sum_));
+            return device
+                .create_compute_pipeline<shaders::cones::emitter_cells>(
+                    {.octree_levels = volume.octree_levels()})
+                .map(keep(made.sum_));
         })
         .and_then([&] {
             return device.create_compute_pipeline<shaders::cones::emitter_merge>().map(keep(made.merge_));

@@ -22,7 +22,7 @@ using EmitterBlock = shaders::cones::irradiance::Emitters;
 class Emitters {
   public:
     /// For volumes of this many voxels a side. Errors: those of the device.
-    static Result<Emitters> create(rhi::Device& device, uint32_t resolution);
+    static Result<Emitters> create(rhi::Device& device, const voxels::Settings& volume);
 
     /// The emitters of a volume that was voxelized with Needs::emission and Needs::normals: an EmitterBlock.
     rhi::UniformBuffer record(rhi::Commands& commands, const voxels::Volume& volume);

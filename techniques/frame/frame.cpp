@@ -60,7 +60,7 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
                     frame.volume_);
     }
     if (made && plan.needs("cones.emitters")) {
-        made = keep(cones::Emitters::create(device, settings.voxels.resolution), frame.emitters_);
+        made = keep(cones::Emitters::create(device, settings.voxels), frame.emitters_);
     }
     if (made && plan.needs("voxels.bounce")) {
         made = keep(

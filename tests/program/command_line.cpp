@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
     CommandLine, Refusal,
     testing::Values(
         Refused{{"view"}, {"view", "render, check, diff, devices"}},
-        Refused{{"render", "--storage", "svo"}, {"--storage", "svo", "available: vt"}},
+        Refused{{"render", "--storage", "list"}, {"--storage", "list", "available: vt, svo"}},
         Refused{{"render", "--mips", "none"}, {"--mips", "none", "available: iso, ani"}},
         Refused{{"render", "--range", "rgbe"}, {"--range", "rgbe", "available: ldr"}},
         Refused{{"render", "--apertures", "nonuniform"}, {"--apertures", "available: uniform"}},
@@ -120,7 +120,7 @@ TEST_F(CommandLine, ConfigRefusesWhatItDoesNotKnow) {
         {R"({"voxel": 32})", "no setting 'voxel'"},
         {R"({"voxels": 33})", "power of two"},
         {R"({"voxels": [32]})", "power of two"},
-        {R"({"storage": "svo"})", "available: vt"},
+        {R"({"storage": "list"})", "available: vt, svo"},
         {R"({"output": "x.png"})", "no setting 'output'"},
     };
     for (const auto& [text, said] : cases) {
