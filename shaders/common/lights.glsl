@@ -34,13 +34,16 @@ Incident incident_light(int light, vec3 position) {
     vec3 direction = lights.direction[light].xyz;
     if (lights.position[light].w == 0) return Incident(direction, intensity.rgb);
 
-    vec3 offset = lights.position[light].xyz - position;
-    float squared = max(dot(offset, offset), 1e-12);
-    vec3 to_light = offset * inversesqrt(squared);
-    float reach = squared * intensity.w * intensity.w;
-    float window = clamp(1 - reach * reach, 0, 1);
-    float cone = clamp(lights.cone[light].y - lights.cone[light].x * dot(direction, to_light), 0, 1);
-    return Incident(to_light, intensity.rgb * (window * cone * cone / squared));
+    // Term by term and `precise`: sums of it are the same on both APIs.
+    precise vec3 offset = lights.position[light].xyz - position;
+    precise float squared = max((offset.x * offset.x + offset.y * offset.y) + offset.z * offset.z, 1e-12);
+    precise vec3 to_light = offset / sqrt(squared);
+    precise float along = (direction.x * to_light.x + direction.y * to_light.y) + direction.z * to_light.z;
+    precise float reach = squared * intensity.w * intensity.w;
+    precise float window = clamp(1 - reach * reach, 0, 1);
+    precise float cone = clamp(lights.cone[light].y - lights.cone[light].x * along, 0, 1);
+    precise vec3 irradiance = intensity.rgb * (window * cone * cone / squared);
+    return Incident(to_light, irradiance);
 }
 
 int light_camera(int light, vec3 position) {

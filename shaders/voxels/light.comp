@@ -62,11 +62,13 @@ vec4 amount_of(vec3 world, ivec2 texel) {
         vec3 axis = lights.camera_axis[push.camera].xyz;
         precise float along = (offset.x * axis.x + offset.y * axis.y) + offset.z * axis.z;
         // A texel's solid angle is its area times the cubed cosine to the axis; across the ray it has that times d².
-        precise float cosine = along * inversesqrt(squared);
+        precise float cosine = along / sqrt(squared);
         area = area * cosine * cosine * cosine * squared;
     }
-    precise vec4 amount = vec4(area * push.area_scale, incident.irradiance * (area * push.flux_scale));
-    return floor(amount + dither(uvec3(texel, push.camera)));
+    precise float per_irradiance = area * push.flux_scale;
+    precise vec4 amount = vec4(area * push.area_scale, incident.irradiance * per_irradiance);
+    precise vec4 dithered = amount + dither(uvec3(texel, push.camera));
+    return floor(dithered);
 }
 
 void main() {
