@@ -124,10 +124,16 @@ vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
         float cosine = dot(normal, direction);
         float sine = min(radius * inversesqrt(squared), 1.0);
         if (abs(cosine) < sine) cosine = (cosine + sine) * (cosine + sine) / (4.0 * sine);
-        // Flat surfaces show themselves by the cosine, closed ones a quarter of their area to every side. Where a voxel's
-        // surface lies in it is not known: what is not clearly in front of the plane is in it.
+        // The part of its area that it shows, foreshortened: the mean of max(0, u), u the cosine between surface and
+        // path, taken as uniform about its mean and as wide as of a sphere's cap, seen from its axis or from the side.
+        // Where a voxel's surface lies in it is not known: what is not clearly in front of a plane is in it.
         float front = -dot(emitter.normal.xyz, path);
-        float shown = front * smoothstep(0.5, 1.5, front) * inversesqrt(squared) + 0.25 * (1.0 - flatness);
+        float mean = front * inversesqrt(squared);
+        float along = min(mean * mean / max(flatness * flatness, 1e-6), 1.0);
+        float side = flatness > 0.5 ? 4.0 * flatness * (1.0 - flatness) : 1.0;
+        float width = sqrt(mix(side, (1.0 - flatness) * (1.0 - flatness), along));
+        float shown = abs(mean) < width ? (mean + width) * (mean + width) / (4.0 * width)
+                                        : max(mean, 0.0) * smoothstep(0.5, 1.5, front);
         float form = shown * max(cosine, 0.0) / max(squared + 2.0 * spread * flatness, spread);
         if (form > 0.0) {
             // Its mean position lies under a bent surface, by this much if that is a sphere's cap. To where a surface
