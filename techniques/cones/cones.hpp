@@ -26,6 +26,8 @@ class Irradiance {
     rhi::View<rhi::Dimension::d2> record(rhi::Commands& commands, const gbuffer::View& gbuffer,
                                          const Source& source);
 
+    /// What record() fills, to copy it from.
+    const rhi::Texture& irradiance() const { return irradiance_; }
     const Distribution& distribution() const { return distribution_; }
     /// The sampler that volumes are read through.
     rhi::SamplerHandle volume_sampler() const { return volume_sampler_; }
