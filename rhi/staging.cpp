@@ -45,6 +45,13 @@ Result<size_t> UploadRing::block_for(uint64_t bytes, uint64_t alignment) {
 }
 
 Result<BufferSlice> UploadRing::put(std::span<const std::byte> bytes, uint64_t alignment, uint64_t serial) {
+    // A block that the device has read is begun anew long before its end, so that little memory is touched; and
+    // seldom, so that uniforms of an earlier submission are known by their place.
+    if (current_ < blocks_.size()) {
+        Block& last = blocks_[current_];
+        const bool long_enough = last.used > block_bytes / 16 && last.serial < serial;
+        if (long_enough && last.serial <= backend_.completed()) last.used = 0;
+    }
     auto index = block_for(bytes.size(), alignment);
     if (!index) return tl::unexpected(index.error());
     current_ = *index;
