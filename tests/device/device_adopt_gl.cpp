@@ -70,7 +70,7 @@ TEST_F(AdoptGlTest, StateIsAsItWasAndResultsAreThoseOfAnOwnDevice) {
         for (const Operation& operation : operations) own.push_back(operation.run(*checked->device));
     }
     // Where there are but two values, lumo's is either the usual or the other.
-    for (const auto [unusual, timing] :
+    for (const auto& [unusual, timing] :
          {std::pair(false, Timing::serialised), {true, Timing::serialised}, {true, Timing::overlapped}}) {
         host = GlHost::make();
         if (unusual) set_unusual_state();
