@@ -2,12 +2,15 @@
 // and the same values at every level, to the bit.
 #include "techniques/voxels/octree.hpp"
 
+#include <bit>
 #include <fmt/format.h>
 #include <functional>
+#include <glm/gtc/packing.hpp>
 #include <gtest/gtest.h>
 #include <random>
 #include <set>
 
+#include "shaders/test_accuracy/sample_voxels.hpp"
 #include "tests/device/device_fixture.hpp"
 #include "tests/support/octree.hpp"
 #include "tests/support/voxelizer.hpp"
@@ -49,6 +52,20 @@ struct OctreeTest : DeviceTest {
                                      bytes_of(words));
         occupancy.record(commands);
         must(device().wait(device().submit(std::move(commands))));
+    }
+
+    /// Texels of a whole grid, `stride` bytes each, into the octree's list.
+    void upload_cells(const voxels::Octree& octree, const std::vector<std::byte>& texels, size_t stride) {
+        const rhi::Extent cells = octree.cell_extent();
+        const int side = 1 << octree.levels();
+        std::vector<std::byte> listed(stride * cells.width * cells.height * cells.depth);
+        const auto list = values_of<uint32_t>(must(device().download(octree.voxels())));
+        for (size_t place = 0; place < size_.voxels; ++place) {
+            const glm::ivec3 v(list[place] & 1023, list[place] >> 10 & 1023, list[place] >> 20);
+            const size_t voxel = (size_t(v.z) * size_t(side) + size_t(v.y)) * size_t(side) + size_t(v.x);
+            std::memcpy(listed.data() + place * stride, texels.data() + voxel * stride, stride);
+        }
+        must(device().upload(octree.cells(), rhi::whole_mip(octree.cells().desc()), listed));
     }
 
     voxels::OctreeSize size_;
@@ -119,35 +136,23 @@ TEST_P(OctreeTest, HoldsWhatTheVolumeHolds) {
                 // The list has each occupied voxel once.
                 const std::vector<uint8_t> values = random_values(shape, random);
                 const size_t stride = wide ? 8 : 4;
-                const auto put = [&](std::vector<std::byte>& texels, size_t to, size_t voxel) {
-                    for (size_t c = 0; c < 4; ++c) {
-                        const uint8_t v = values[4 * voxel + c];
-                        if (wide) {
-                            const uint16_t half = glm::packHalf1x16(float(v) / 255);
-                            std::memcpy(texels.data() + to * stride + 2 * c, &half, 2);
-                        } else {
-                            std::memcpy(texels.data() + to * stride + c, &v, 1);
-                        }
-                    }
-                };
-                const rhi::Extent cells = octree.cell_extent();
-                std::vector<std::byte> listed(stride * cells.width * cells.height * cells.depth);
-                if (occupied > 0) {
-                    const auto list = values_of<uint32_t>(must(device().download(octree.voxels())));
-                    std::set<size_t> seen;
-                    for (size_t place = 0; place < occupied; ++place) {
-                        const glm::ivec3 v(list[place] & 1023, list[place] >> 10 & 1023, list[place] >> 20);
-                        ASSERT_TRUE(shape.contains(v) && shape.get(v));
-                        ASSERT_TRUE(seen.insert(shape.index(v)).second);
-                        put(listed, place, shape.index(v));
-                    }
+                std::vector<std::byte> texels(stride * shape.values.size());
+                for (size_t i = 0; i < values.size(); ++i) {
+                    const uint16_t half = glm::packHalf1x16(float(values[i]) / 255);
+                    std::memcpy(texels.data() + i * stride / 4,
+                                wide ? static_cast<const void*>(&half) : &values[i], stride / 4);
                 }
-                must(device().upload(octree.cells(), rhi::whole_mip(octree.cells().desc()), listed));
+                const auto list = values_of<uint32_t>(must(device().download(octree.voxels())));
+                std::set<size_t> seen;
+                for (size_t place = 0; place < occupied; ++place) {
+                    const glm::ivec3 v(list[place] & 1023, list[place] >> 10 & 1023, list[place] >> 20);
+                    ASSERT_TRUE(shape.contains(v) && shape.get(v));
+                    ASSERT_TRUE(seen.insert(shape.index(v)).second);
+                }
+                upload_cells(octree, texels, stride);
 
                 auto dense =
                     must(voxels::LightVolume::create(device(), "dense", uint32_t(shape.side), mips, wide));
-                std::vector<std::byte> texels(stride * shape.values.size());
-                for (size_t i = 0; i < shape.values.size(); ++i) put(texels, i, i);
                 must(device().upload(dense.base, rhi::whole_mip(dense.base.desc()), texels));
 
                 const auto light = must(octree.create_light(device(), "sparse"));
@@ -165,6 +170,111 @@ TEST_P(OctreeTest, HoldsWhatTheVolumeHolds) {
                 EXPECT_EQ(difference.unequal, 0u) << "of " << difference.compared;
                 EXPECT_EQ(difference.missing, 0u);
                 EXPECT_EQ(difference.nodes, size_.fine_nodes() + size_.coarse_nodes());
+            }
+        }
+    }
+}
+
+/// As shaders/test_accuracy/sample_voxels.comp has it.
+struct Place {
+    glm::vec3 uvw;
+    float lod;
+    glm::vec3 direction;
+    float opacity;
+    glm::vec4 value;
+};
+
+std::vector<Place> random_places(int side, size_t count, std::mt19937& random) {
+    std::uniform_real_distribution<float> unit(0, 1);
+    std::normal_distribution<float> normal;
+    std::vector<Place> places(count);
+    for (Place& place : places) {
+        place.lod = unit(random) * (std::log2(float(side)) + 1);
+        if (random() % 2) place.lod = std::floor(place.lod);
+        place.uvw = {unit(random), unit(random), unit(random)};
+        // A volume's directions lie side by side: nearer to their ends than half a texel it repeats the last one.
+        const float margin =
+            std::min(std::exp2(std::ceil(std::max(place.lod - 1, 0.0f))) / float(side), 0.5f);
+        place.uvw.x = std::clamp(place.uvw.x, margin, 1 - margin);
+        place.direction = glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
+    }
+    return places;
+}
+
+/// Light of random opacity, and of a radiance from 0 to 1.
+std::vector<std::byte> random_light(const VoxelMap<bool>& shape, std::mt19937& random) {
+    std::uniform_real_distribution<float> unit(0, 1);
+    std::vector<uint64_t> texels(shape.values.size());
+    for (size_t i = 0; i < texels.size(); ++i) {
+        const float opacity = unit(random);
+        if (shape.values[i])
+            texels[i] = glm::packHalf4x16(
+                glm::vec4(unit(random) * opacity, unit(random) * opacity, unit(random) * opacity, opacity));
+    }
+    const auto bytes = bytes_of(texels);
+    return {bytes.begin(), bytes.end()};
+}
+
+TEST_P(OctreeTest, SamplesAreTheVolumes) {
+    std::mt19937 random(11);
+    for (const auto& [name, shape] : shapes()) {
+        for (const voxels::MipKind mips : {voxels::MipKind::isotropic, voxels::MipKind::anisotropic}) {
+            const bool anisotropic = mips == voxels::MipKind::anisotropic;
+            SCOPED_TRACE(name + (anisotropic ? ", anisotropic" : ", isotropic"));
+            const auto side = uint32_t(shape.side);
+            const int32_t levels = std::countr_zero(side);
+            voxels::Octree octree =
+                octree_of(shape, {.resolution = side, .mips = mips, .wide_range = true, .list_voxels = true});
+            const auto light = must(octree.create_light(device(), "sparse"));
+            auto dense = must(voxels::LightVolume::create(device(), "dense", side, mips, true));
+            const std::vector<std::byte> texels = random_light(shape, random);
+            must(device().upload(dense.base, rhi::whole_mip(dense.base.desc()), texels));
+            upload_cells(octree, texels, 8);
+            const auto dense_mips = must(voxels::Mips::create(device(), mips));
+
+            const std::vector<Place> places = random_places(shape.side, 4096, random);
+            const rhi::Buffer from_octree = buffer_with(places), from_volume = buffer_with(places);
+            using Program = shaders::test_accuracy::sample_voxels;
+            const auto sparse_pipeline =
+                compute<Program>({.anisotropic = anisotropic, .octree_levels = levels});
+            const auto dense_pipeline = compute<Program>({.anisotropic = anisotropic});
+            const rhi::Sampler linear = sampler({.mip = rhi::FilterMode::linear});
+            rhi::Commands commands = device().begin();
+            {
+                rhi::Pass pass = commands.pass("sample");
+                octree.fill(pass, light);
+                dense_mips.record(pass, dense);
+                const auto dispatch = [&](const auto& pipeline, const voxels::LightVolume& volume,
+                                          const rhi::Buffer& target) {
+                    const voxels::LightVolumeView view = voxels::view_of(volume);
+                    pass.dispatch(pipeline,
+                                  {.base = {view.base, linear},
+                                   .directions = {view.directions, linear},
+                                   .places = target.slice(),
+                                   .voxel_nodes = octree.nodes()},
+                                  {.count = uint32_t(places.size()), .resolution = float(side)},
+                                  {rhi::groups_for(uint32_t(places.size()), 64)});
+                };
+                dispatch(sparse_pipeline, light, from_octree);
+                dispatch(dense_pipeline, dense, from_volume);
+            }
+            must(device().wait(device().submit(std::move(commands))));
+
+            const auto sparse = contents<Place>(from_octree), expected = contents<Place>(from_volume);
+            size_t lit = 0, unseen = 0;
+            float worst = 0;
+            for (size_t i = 0; i < places.size(); ++i) {
+                const glm::vec4 difference = glm::abs(sparse[i].value - expected[i].value);
+                worst = std::max({worst, difference.r, difference.g, difference.b, difference.a});
+                lit += expected[i].value.a > 0;
+                // What a level says to be empty is empty for every direction there.
+                unseen += sparse[i].opacity == 0 && places[i].lod == std::floor(places[i].lod) &&
+                          expected[i].value.a > 1e-5f;
+            }
+            EXPECT_LT(worst, 2e-3f);
+            EXPECT_EQ(unseen, 0u);
+            if (name != "empty") {
+                EXPECT_GT(lit, 100u);
             }
         }
     }
