@@ -1,6 +1,8 @@
 // lumo on a Vulkan device that is a host's: made without push descriptors and with no feature beyond those that are
 // required. The host's validation layers, and lumo's checks, must have nothing to say.
+#include <fstream>
 #include <glm/vec4.hpp>
+#include <iterator>
 #include <map>
 
 #include "backends/vulkan/adopt.hpp"
@@ -217,6 +219,17 @@ TEST_F(AdoptVulkan, EachMissingFeatureIsNamed) {
     const auto refused = adopt(described);
     ASSERT_FALSE(refused);
     for (const Missing& missing : each) EXPECT_THAT(refused.error().message, HasSubstr(missing.name));
+}
+
+TEST(AdoptVulkanPage, ListsWhatIsRequired) {
+    std::ifstream file(LUMO_SOURCE_DIR "/docs/porting.md");
+    const std::string page((std::istreambuf_iterator<char>(file)), {});
+    for (const auto& requirement : backends::vulkan::requirements()) {
+        const size_t row = page.find("| `" + std::string(requirement.name) + "` |");
+        ASSERT_NE(row, std::string::npos) << requirement.name;
+        const std::string line = page.substr(row, page.find('\n', row) - row);
+        EXPECT_EQ(line.ends_with("| required |"), requirement.required) << line;
+    }
 }
 
 TEST_F(AdoptVulkan, WhatTheHostForgotToSayIsNamed) {
