@@ -1,4 +1,5 @@
-# Installs BUILD, moves the tree, and builds and runs HOST against it. Nothing of it may lead back to SOURCE or BUILD.
+# Installs BUILD, moves the tree, and builds and runs HOST against it. Nothing of it may lead back to SOURCE or
+# BUILD, and what it includes is there.
 function(run)
     execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
     if(NOT result EQUAL 0)
@@ -18,6 +19,16 @@ foreach(text IN LISTS texts)
         string(FIND "${content}" "${folder}/" found)
         if(NOT found EQUAL -1)
             message(FATAL_ERROR "${text} names ${folder}")
+        endif()
+    endforeach()
+    if(text MATCHES "[.]cmake$")
+        continue()
+    endif()
+    string(REGEX MATCHALL "#include \"[^\"]+\"" includes "${content}")
+    foreach(include IN LISTS includes)
+        string(REGEX REPLACE ".*\"(.*)\"" "\\1" include "${include}")
+        if(NOT EXISTS ${WORK}/moved/include/lumo/${include} AND NOT EXISTS ${WORK}/moved/lib/lumo/shaders/${include})
+            message(FATAL_ERROR "${text} includes ${include}, which is not installed")
         endif()
     endforeach()
 endforeach()

@@ -29,8 +29,11 @@ double srgb(double linear) {
 
 scene::Image8 picture(rhi::Device& device) {
     const rhi::Extent size{width, 4};
-    const auto radiance = must(
-        device.create_texture({.name = "radiance", .format = rhi::Format::rgba32_float, .extent = size}));
+    const auto radiance =
+        must(device.create_texture({.name = "radiance",
+                                    .format = rhi::Format::rgba32_float,
+                                    .extent = size,
+                                    .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::storage}));
     auto ramp = must(device.create_compute_pipeline<shaders::host::ramp>());
     auto post = must(post::Post::create(device, {.exposure = 1}, size));
     rhi::Commands commands = device.begin();
