@@ -30,10 +30,23 @@ Result<void> check_host(const HostDevice& host, const rhi::DeviceDesc& desc) {
     return {};
 }
 
+std::string words(VkResult result) {
+    switch (result) {
+        case VK_ERROR_OUT_OF_HOST_MEMORY:
+            return "VK_ERROR_OUT_OF_HOST_MEMORY";
+        case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+            return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
+        case VK_ERROR_DEVICE_LOST:
+            return "VK_ERROR_DEVICE_LOST";
+        default:
+            return fmt::format("VkResult {}", int(result));
+    }
+}
+
 }  // namespace
 
 tl::unexpected<Error> fail(VkResult result, std::string subject, std::string_view call) {
-    std::string message = fmt::format("{} returned VkResult {}", call, int(result));
+    std::string message = fmt::format("{} returned {}", call, words(result));
     switch (result) {
         case VK_ERROR_OUT_OF_HOST_MEMORY:
         case VK_ERROR_OUT_OF_DEVICE_MEMORY:

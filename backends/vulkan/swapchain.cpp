@@ -35,6 +35,17 @@ std::optional<VkFormat> choose_format(std::span<const VkSurfaceFormatKHR> format
     return {};
 }
 
+/// As enumerate, of a call that may fail.
+template <class T, class Call>
+Result<std::vector<T>> list_of(std::string_view name, Call call) {
+    VkResult result = VK_SUCCESS;
+    std::vector<T> all = enumerate<T>([&](uint32_t* count, T* list) {
+        if (result >= VK_SUCCESS) result = call(count, list);
+    });
+    if (result < VK_SUCCESS) return fail(result, "window", name);
+    return all;
+}
+
 VkPresentModeKHR choose_mode(std::span<const VkPresentModeKHR> modes, bool vsync) {
     if (!vsync) {
         for (VkPresentModeKHR mode : {VK_PRESENT_MODE_MAILBOX_KHR, VK_PRESENT_MODE_IMMEDIATE_KHR})
@@ -53,13 +64,17 @@ Result<void> Swapchain::make(const Shape& shape) {
     VkSurfaceCapabilitiesKHR can{};
     VkResult result = vk.surface_capabilities(gpu_.physical(), gpu_.surface(), &can);
     if (result != VK_SUCCESS) return fail(result, "window", "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
-    const auto formats = enumerate<VkSurfaceFormatKHR>([&](uint32_t* count, VkSurfaceFormatKHR* list) {
-        vk.surface_formats(gpu_.physical(), gpu_.surface(), count, list);
-    });
-    const auto modes = enumerate<VkPresentModeKHR>([&](uint32_t* count, VkPresentModeKHR* list) {
-        vk.present_modes(gpu_.physical(), gpu_.surface(), count, list);
-    });
-    const auto format = choose_format(formats, shape.srgb);
+    const auto formats = list_of<VkSurfaceFormatKHR>(
+        "vkGetPhysicalDeviceSurfaceFormatsKHR", [&](uint32_t* count, VkSurfaceFormatKHR* list) {
+            return vk.surface_formats(gpu_.physical(), gpu_.surface(), count, list);
+        });
+    const auto modes = list_of<VkPresentModeKHR>(
+        "vkGetPhysicalDeviceSurfacePresentModesKHR", [&](uint32_t* count, VkPresentModeKHR* list) {
+            return vk.present_modes(gpu_.physical(), gpu_.surface(), count, list);
+        });
+    if (!formats) return tl::unexpected(formats.error());
+    if (!modes) return tl::unexpected(modes.error());
+    const auto format = choose_format(*formats, shape.srgb);
     if (!format || !(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT)) {
         return fail(
             ErrorKind::unsupported, "window",
@@ -87,7 +102,7 @@ Result<void> Swapchain::make(const Shape& shape) {
         .imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT,
         .preTransform = can.currentTransform,
         .compositeAlpha = opaque ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR,
-        .presentMode = choose_mode(modes, shape.vsync),
+        .presentMode = choose_mode(*modes, shape.vsync),
         .clipped = VK_TRUE,
         .oldSwapchain = swapchain_.get(),
     };
@@ -102,9 +117,11 @@ Result<void> Swapchain::make(const Shape& shape) {
         return gpu_.make<VkSemaphore>(vk_.vkCreateSemaphore, vk_.vkDestroySemaphore, semaphore, "window")
             .map([&](Unique<VkSemaphore>&& fresh) { owner = std::move(fresh); });
     };
-    for (VkImage image : enumerate<VkImage>([&](uint32_t*images, VkImage*list) {
-             vk_.vkGetSwapchainImagesKHR(gpu_.device(), swapchain_.get(), images, list);
-         })) {
+    const auto images = list_of<VkImage>("vkGetSwapchainImagesKHR", [&](uint32_t* count, VkImage* list) {
+        return vk_.vkGetSwapchainImagesKHR(gpu_.device(), swapchain_.get(), count, list);
+    });
+    if (!images) return tl::unexpected(images.error());
+    for (VkImage image : *images) {
         if (auto done = renew(images_.emplace_back(Image{image, {}}).drawn); !done) return done;
     }
     for (Unique<VkSemaphore>& free : free_) {

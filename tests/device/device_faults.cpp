@@ -417,6 +417,44 @@ TEST_P(FaultTest, ManyTimedPasses) {
         true);
 }
 
+TEST_P(FaultTest, DescriptorSetsWherePushingIsNotPossible) {
+    if (GetParam() == Api::gl) GTEST_SKIP() << "OpenGL has none";
+    faults().hide_push_descriptors(true);
+    // More than a pool holds: the first of each kind fails, then the second.
+    for (const char* function : {"vkCreateDescriptorPool", "vkAllocateDescriptorSets"}) {
+        for (int call : {0, 1, 300}) {
+            SCOPED_TRACE(fmt::format("{} {}", function, call));
+            Opened opened = open();
+            Device& device = opened.device();
+            Buffer values = must(device.create_buffer({.name = "values", .size = 256}));
+            const auto step = must(device.create_compute_pipeline<advance>());
+            const auto frame = [&] {
+                must(device.upload(values.slice(), bytes_of(std::vector<uint32_t>(64, 1))));
+                Commands commands = device.begin();
+                {
+                    Pass pass = commands.pass("steps");
+                    for (int i = 0; i < 400; ++i) pass.dispatch(step, {values.slice()}, {}, {1});
+                }
+                return device.wait(device.submit(std::move(commands)));
+            };
+            faults().arm(call, function);
+            const auto failed = frame();
+            // What a pool refuses, another gives.
+            if (!faults().disarm().empty() && !failed) {
+                EXPECT_EQ(failed.error().kind, ErrorKind::out_of_memory);
+            }
+            opened.checked->take_failures();
+            must(frame());
+            uint32_t expected = 1;
+            for (int i = 0; i < 400; ++i) expected = expected * 3 + 1;
+            EXPECT_THAT(values_of<uint32_t>(must(device.download(values.slice()))), Each(expected));
+            values = {};
+            opened.witness->expect_right_results();
+        }
+    }
+    faults().hide_push_descriptors(false);
+}
+
 /// A submission that could not run at all leaves textures as they were.
 TEST_P(FaultTest, WhatASubmissionDidNotDoIsNotTakenForDone) {
     fail_each_call([](Device& device) {

@@ -31,7 +31,11 @@ class Faults {
     const std::map<std::string, int64_t>& live() const { return live_; }
     void start_counting() { live_.clear(); }
 
+    /// Devices made from here on have no push descriptors.
+    void hide_push_descriptors(bool hidden) { hidden_ = hidden; }
+
     // For the calls that stand in for the driver's.
+    bool hides_push_descriptors() const { return hidden_; }
     bool fails(std::string_view function);
     bool lost(std::string_view function);
     bool is_lost() const { return lost_; }
@@ -43,6 +47,7 @@ class Faults {
     std::string failed_;
     bool losing_ = false;
     bool lost_ = false;
+    bool hidden_ = false;
     std::map<std::string, int64_t> live_;
 };
 Faults& faults();

@@ -1,5 +1,6 @@
 // Vulkan's functions, replaced by ones that can fail where the loader's first function is looked up: the
 // linker sends every dlsym of the program here (--wrap=dlsym).
+#include <algorithm>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -112,6 +113,21 @@ using DeviceHooks = std::tuple<
     Hook<"vkAcquireNextImageKHR", PFN_vkAcquireNextImageKHR>,
     Hook<"vkQueuePresentKHR", PFN_vkQueuePresentKHR>>;
 
+PFN_vkEnumerateDeviceExtensionProperties real_extensions = nullptr;
+
+VkResult extensions(VkPhysicalDevice device, const char* layer, uint32_t* count,
+                    VkExtensionProperties* list) {
+    const VkResult result = real_extensions(device, layer, count, list);
+    if (!list || !faults().hides_push_descriptors()) return result;
+    *count = uint32_t(std::remove_if(list, list + *count,
+                                     [](const VkExtensionProperties& one) {
+                                         return std::string_view(one.extensionName) ==
+                                                VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME;
+                                     }) -
+                      list);
+    return result;
+}
+
 PFN_vkVoidFunction device_proc(VkDevice device, const char* name) {
     PFN_vkVoidFunction found = real_device_proc(device, name);
     if (found && installed) replace(name, found, DeviceHooks());
@@ -124,6 +140,10 @@ PFN_vkVoidFunction instance_proc(VkInstance instance, const char* name) {
     if (std::string_view(name) == "vkGetDeviceProcAddr") {
         real_device_proc = reinterpret_cast<PFN_vkGetDeviceProcAddr>(found);
         return reinterpret_cast<PFN_vkVoidFunction>(&device_proc);
+    }
+    if (std::string_view(name) == "vkEnumerateDeviceExtensionProperties") {
+        real_extensions = reinterpret_cast<PFN_vkEnumerateDeviceExtensionProperties>(found);
+        return reinterpret_cast<PFN_vkVoidFunction>(&extensions);
     }
     replace(name, found, InstanceHooks());
     return found;
