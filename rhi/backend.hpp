@@ -20,6 +20,7 @@ namespace lumo::rhi {
 
 // Commands as the core hands them on. Byte ranges of push constants point into the pass's own storage.
 
+/// Commands of one pass that bind the same to the same pipeline may share the memory of `bindings`; others do not.
 struct PipelineBindings {
     PipelineHandle pipeline;
     std::span<const BindingValue> bindings;  ///< in the order of ProgramInfo::bindings

@@ -1,6 +1,7 @@
 // What stands behind Device, Commands and passes: everything of the RHI that needs no API.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <set>
@@ -19,6 +20,7 @@ namespace lumo::rhi {
 
 /// An error that came up in something larger.
 inline Error within(std::string_view where, const Error& error) {
+    if (error.subject == where) return error;
     return {error.kind, std::string(where), to_string(error), {}};
 }
 
@@ -109,6 +111,18 @@ class DeviceCore {
 
         void clear();
     };
+    /// Bindings of a pass, checked and kept. What binds the same again in this pass is not checked again.
+    struct BoundSet {
+        PipelineHandle pipeline;
+        const ProgramInfo* program = nullptr;
+        std::span<const BindingValue> bindings;
+        std::span<const Use> uses;  ///< merged
+        uint64_t pass = 0;
+        uint64_t releases = 0;  ///< of resources, before it was checked
+        bool joined = false;    ///< the raster pass has its uses, and one more draw may have them
+
+        PipelineBindings with(std::span<const std::byte> push) const { return {pipeline, bindings, push}; }
+    };
     /// What is kept of a submission for those who ask later.
     struct Record {
         std::vector<std::string> passes;
@@ -150,9 +164,11 @@ class DeviceCore {
     std::vector<Barrier> hand_back();
     void keep_trace(std::span<const Scope> scopes, std::span<const std::vector<Barrier>> barriers);
 
-    /// One command's bindings, checked and kept, with what they touch.
+    /// Finds what is bound among the pass's sets, or checks and keeps it.
     Verdict bind(OpenPass& pass, PipelineHandle pipeline, std::span<const BindingValue> bindings,
-                 std::span<const std::byte> push, std::vector<Use>& uses, PipelineBindings& bound);
+                 std::span<const std::byte> push, BoundSet*& bound);
+    Verdict check_set(OpenPass& pass, PipelineHandle pipeline, std::span<const BindingValue> bindings,
+                      BoundSet& set);
     Verdict bind_one(const BindingInfo& info, const BindingValue& value, std::vector<Use>& uses);
     Verdict check_targets(RasterTargets& targets, std::vector<Use>& uses);
     Verdict check_draw_targets(const OpenPass& pass, const PipelineRecord& pipeline) const;
@@ -187,6 +203,7 @@ class DeviceCore {
     std::unique_ptr<OpenPass> pass_, blank_;
     std::vector<Use> uses_;
     std::vector<Barrier> barriers_;
+    std::array<BoundSet, 64> bound_sets_;  ///< by a hash of what is bound
     std::map<uint64_t, Record> records_;
     bool tracing_ = false;
     size_t owners_ = 0;

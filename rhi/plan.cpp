@@ -10,23 +10,21 @@
 namespace lumo::rhi {
 namespace {
 
-constexpr std::array staged_accesses{Access::uniform_read, Access::sampled_read, Access::storage_read,
-                                     Access::storage_write};
-constexpr std::array plain_accesses{Access::indirect_read,    Access::index_read, Access::color_attachment,
-                                    Access::depth_attachment, Access::copy_read,  Access::copy_write,
-                                    Access::host_read,        Access::external};
 constexpr Reach everything = ~Reach{0};
 
 }  // namespace
 
 Reach reach_of(Access access, Stages stages) {
+    // Four bits, a stage each, for each of the four accesses from uniform_read on; then a bit for each other one.
+    constexpr int first_staged = 2, staged = 4, bits_a_stage = 4;
+    const auto bits = Reach(access);
     Reach reach = 0;
-    for (size_t i = 0; i < staged_accesses.size(); ++i)
-        if (has(access, staged_accesses[i])) reach |= Reach(stages) << (4 * i);
-    for (size_t i = 0; i < plain_accesses.size(); ++i)
-        if (has(access, plain_accesses[i])) reach |= Reach{1} << (4 * staged_accesses.size() + i);
-    return reach;
+    for (int i = 0; i < staged; ++i)
+        if (bits >> (first_staged + i) & 1) reach |= Reach(stages) << (bits_a_stage * i);
+    const Reach plain = (bits & ((1u << first_staged) - 1)) | bits >> (first_staged + staged) << first_staged;
+    return reach | plain << (bits_a_stage * staged);
 }
+static_assert(Access::uniform_read == Access(1 << 2) && Access::storage_write == Access(1 << 5));
 
 std::vector<Barrier> HazardTracker::enter(const Scope& scope) {
     std::vector<Barrier> barriers;
@@ -169,6 +167,10 @@ std::optional<MemoryId> merge_draw(std::vector<Use>& pass, std::span<const Use> 
             pass.insert(place, use);
     }
     return {};
+}
+
+bool may_repeat(std::span<const Use> draw) {
+    return std::ranges::all_of(draw, [](const Use& use) { return may_meet_in_draws(use, use); });
 }
 
 std::vector<std::vector<Barrier>> plan_barriers(std::span<const Scope> scopes) {

@@ -155,6 +155,8 @@ std::optional<MemoryId> merge_uses(std::vector<Use>& uses);
 /// Adds the uses of a draw to those of the draws before it, both merged already. Draws may write the same memory,
 /// to places of their own. Where uses must not meet, `pass` stays as it was.
 std::optional<MemoryId> merge_draw(std::vector<Use>& pass, std::span<const Use> draw);
+/// Whether any number of draws may have these uses.
+bool may_repeat(std::span<const Use> draw);
 
 /// Barriers in front of each scope, from nothing known.
 std::vector<std::vector<Barrier>> plan_barriers(std::span<const Scope> scopes);

@@ -178,15 +178,19 @@ Verdict DeviceCore::use_draw(const DrawIndirect& draw, const PipelineBindings& w
 Result<void> DeviceCore::draw(uint64_t id, PipelineHandle pipeline, std::span<const BindingValue> bindings,
                               std::span<const std::byte> push, const AnyDraw& draw) {
     return record(id, [&](OpenPass& pass) -> Verdict {
+        BoundSet* bound = nullptr;
+        if (auto bad = bind(pass, pipeline, bindings, push, bound)) return bad;
         std::vector<Use>& uses = no_uses();
-        PipelineBindings bound;
-        if (auto bad = bind(pass, pipeline, bindings, push, uses, bound)) return bad;
         Command command;
-        if (auto bad = check_draw_targets(pass, *resources_.find(pipeline))) return bad;
-        if (auto bad = std::visit([&](const auto& one) { return use_draw(one, bound, uses, command); }, draw))
+        const PipelineBindings what = bound->with(pass.arena.copy(push));
+        if (auto bad = std::visit([&](const auto& one) { return use_draw(one, what, uses, command); }, draw))
             return bad;
-        if (const auto memory = merge_uses(uses)) return conflict(*memory);
-        if (const auto memory = merge_draw(pass.uses, uses)) return conflict(*memory);
+        if (!bound->joined) uses.insert(uses.end(), bound->uses.begin(), bound->uses.end());
+        if (!uses.empty()) {
+            if (const auto memory = merge_uses(uses)) return conflict(*memory);
+            if (const auto memory = merge_draw(pass.uses, uses)) return conflict(*memory);
+        }
+        bound->joined = bound->joined || may_repeat(bound->uses);
         pass.steps.push_back({{}, command});
         return {};
     });

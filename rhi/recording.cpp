@@ -36,6 +36,16 @@ Access storage_access(ShaderAccess access) {
 
 MemoryId memory_of(BufferHandle buffer) { return {MemoryId::Kind::buffer, buffer.index, 0}; }
 
+size_t hash_of(PipelineHandle pipeline, std::span<const BindingValue> bindings) {
+    uint64_t hash = pipeline.index;
+    for (const BindingValue& value : bindings) {
+        hash +=
+            value.view.texture.index + value.view.first_mip + value.slice.buffer.index + value.slice.offset;
+        hash *= 0x9e3779b97f4a7c15u;
+    }
+    return size_t(hash >> 32);
+}
+
 Use buffer_use(BufferHandle buffer, Access access) { return {.memory = memory_of(buffer), .access = access}; }
 
 }  // namespace
@@ -180,17 +190,16 @@ Verdict DeviceCore::bind_one(const BindingInfo& info, const BindingValue& value,
     return {};
 }
 
-Verdict DeviceCore::bind(OpenPass& pass, PipelineHandle handle, std::span<const BindingValue> bindings,
-                         std::span<const std::byte> push, std::vector<Use>& uses, PipelineBindings& bound) {
+Verdict DeviceCore::check_set(OpenPass& pass, PipelineHandle handle, std::span<const BindingValue> bindings,
+                              BoundSet& set) {
+    set = {};
     const PipelineRecord* pipeline = resources_.find(handle);
     if (!pipeline) return stale("a pipeline");
     const ProgramInfo& program = *pipeline->program;
     if (pipeline->raster.has_value() != pass.raster)
         return fault(Check::pipeline_kind, "program \"{}\" in a {} pass", program.name,
                      pass.raster ? "raster" : "compute");
-    if (push.size() != program.push_size)
-        return fault(Check::push_size, "{} bytes for the {} of program \"{}\"", push.size(),
-                     program.push_size, program.name);
+    std::vector<Use>& uses = no_uses();
     for (size_t i = 0; i < bindings.size(); ++i) {
         if (auto bad = bind_one(program.bindings[i], bindings[i], uses)) {
             bad->text = fmt::format("program \"{}\", binding {}: {}", program.name, program.bindings[i].name,
@@ -198,7 +207,29 @@ Verdict DeviceCore::bind(OpenPass& pass, PipelineHandle handle, std::span<const 
             return bad;
         }
     }
-    bound = {handle, pass.arena.copy(bindings), pass.arena.copy(push)};
+    if (pass.raster)
+        if (auto bad = check_draw_targets(pass, *pipeline)) return bad;
+    if (const auto memory = merge_uses(uses)) return conflict(*memory);
+    set = {.pipeline = handle,
+           .program = &program,
+           .bindings = pass.arena.copy(bindings),
+           .uses = pass.arena.copy(std::span<const Use>(uses)),
+           .pass = pass.id,
+           .releases = resources_.releases()};
+    return {};
+}
+
+Verdict DeviceCore::bind(OpenPass& pass, PipelineHandle handle, std::span<const BindingValue> bindings,
+                         std::span<const std::byte> push, BoundSet*& bound) {
+    BoundSet& set = bound_sets_[hash_of(handle, bindings) % bound_sets_.size()];
+    const bool known = set.pass == pass.id && set.releases == resources_.releases() &&
+                       set.pipeline == handle && std::ranges::equal(set.bindings, bindings);
+    if (!known)
+        if (auto bad = check_set(pass, handle, bindings, set)) return bad;
+    if (push.size() != set.program->push_size)
+        return fault(Check::push_size, "{} bytes for the {} of program \"{}\"", push.size(),
+                     set.program->push_size, set.program->name);
+    bound = &set;
     return {};
 }
 
@@ -208,10 +239,9 @@ Result<void> DeviceCore::dispatch(uint64_t id, PipelineHandle pipeline,
                                   std::span<const BindingValue> bindings, std::span<const std::byte> push,
                                   Groups groups) {
     return record(id, [&](OpenPass& pass) -> Verdict {
-        std::vector<Use>& uses = no_uses();
-        PipelineBindings bound;
-        if (auto bad = bind(pass, pipeline, bindings, push, uses, bound)) return bad;
-        const std::string_view program = resources_.find(pipeline)->program->name;
+        BoundSet* bound = nullptr;
+        if (auto bad = bind(pass, pipeline, bindings, push, bound)) return bad;
+        const std::string_view program = bound->program->name;
         const uint32_t counts[3] = {groups.x, groups.y, groups.z};
         for (int axis = 0; axis < 3; ++axis) {
             if (counts[axis] == 0)
@@ -222,8 +252,8 @@ Result<void> DeviceCore::dispatch(uint64_t id, PipelineHandle pipeline,
                              "program \"{}\": {} groups on axis {}; this device takes {}", program,
                              counts[axis], axis, info().limits.max_groups[axis]);
         }
-        if (const auto memory = merge_uses(uses)) return conflict(*memory);
-        add(pass, program, uses, groups.unordered, DispatchCommand{bound, groups.x, groups.y, groups.z});
+        add(pass, program, bound->uses, groups.unordered,
+            DispatchCommand{bound->with(pass.arena.copy(push)), groups.x, groups.y, groups.z});
         return {};
     });
 }
@@ -233,9 +263,10 @@ Result<void> DeviceCore::dispatch_indirect(uint64_t id, PipelineHandle pipeline,
                                            std::span<const std::byte> push, BufferSlice arguments,
                                            bool unordered) {
     return record(id, [&](OpenPass& pass) -> Verdict {
+        BoundSet* bound = nullptr;
+        if (auto bad = bind(pass, pipeline, bindings, push, bound)) return bad;
         std::vector<Use>& uses = no_uses();
-        PipelineBindings bound;
-        if (auto bad = bind(pass, pipeline, bindings, push, uses, bound)) return bad;
+        uses.assign(bound->uses.begin(), bound->uses.end());
         if (auto bad =
                 use_slice(arguments, BufferUsage::indirect, Access::indirect_read, sizeof(uint32_t), uses))
             return bad;
@@ -243,8 +274,8 @@ Result<void> DeviceCore::dispatch_indirect(uint64_t id, PipelineHandle pipeline,
             return fault(Check::buffer_too_small, "{} bytes of indirect arguments; three counts take {}",
                          arguments.size, group_arguments);
         if (const auto memory = merge_uses(uses)) return conflict(*memory);
-        add(pass, resources_.find(pipeline)->program->name, uses, unordered,
-            DispatchIndirectCommand{bound, arguments});
+        add(pass, bound->program->name, uses, unordered,
+            DispatchIndirectCommand{bound->with(pass.arena.copy(push)), arguments});
         return {};
     });
 }

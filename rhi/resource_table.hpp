@@ -101,7 +101,10 @@ class ResourceTable {
         if (!find(handle)) return;
         slots(handle).retire(handle);
         graves_.push_back({handle, serial});
+        ++releases_;
     }
+    /// How often that was. A handle that was alive is so until the next.
+    uint64_t releases() const { return releases_; }
     /// Destroys what was released and is no longer used.
     void collect(uint64_t completed);
 
@@ -133,6 +136,7 @@ class ResourceTable {
     Slots<SamplerHandle, SamplerRecord> samplers_;
     Slots<PipelineHandle, PipelineRecord> pipelines_;
     std::vector<Grave> graves_;
+    uint64_t releases_ = 0;
 };
 
 }  // namespace lumo::rhi

@@ -184,50 +184,65 @@ bool Recorder::bind(const rhi::PipelineBindings& what) {
         vk_.vkCmdPushConstants(commands_, pipeline.layout.get(), pipeline.stages, 0,
                                uint32_t(what.push.size()), what.push.data());
     }
-    if (what.bindings.empty()) return true;
+    return bind_set(pipeline, what.bindings);
+}
 
-    std::array<VkWriteDescriptorSet, rhi::max_bindings> writes;
-    std::array<VkDescriptorImageInfo, rhi::max_bindings> images;
-    std::array<VkDescriptorBufferInfo, rhi::max_bindings> buffers;
-    for (size_t i = 0; i < what.bindings.size(); ++i) {
-        const auto& value = what.bindings[i];
-        writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                     .dstBinding = pipeline.slots[i].binding,
-                     .descriptorCount = 1,
-                     .descriptorType = pipeline.slots[i].type,
-                     .pImageInfo = &images[i],
-                     .pBufferInfo = &buffers[i]};
+bool Recorder::bind_set(const Pipeline& pipeline, std::span<const rhi::BindingValue> bindings) {
+    if (bindings.empty() || bound_bindings_ == bindings.data()) return true;
+    PreparedSet& prepared =
+        prepared_[(reinterpret_cast<uintptr_t>(bindings.data()) / alignof(std::max_align_t)) %
+                  prepared_.size()];
+    if (prepared.bindings != bindings.data() && !prepare(pipeline, bindings, prepared)) return false;
+    bound_bindings_ = bindings.data();
+    if (gpu_.has_push_descriptors()) {
+        vk_.vkCmdPushDescriptorSetKHR(commands_, pipeline.bind_point, pipeline.layout.get(), 0,
+                                      uint32_t(bindings.size()), prepared.writes.data());
+    } else {
+        vk_.vkCmdBindDescriptorSets(commands_, pipeline.bind_point, pipeline.layout.get(), 0, 1,
+                                    &prepared.set, 0, nullptr);
+    }
+    return true;
+}
+
+bool Recorder::prepare(const Pipeline& pipeline, std::span<const rhi::BindingValue> bindings,
+                       PreparedSet& prepared) {
+    prepared.bindings = nullptr;
+    for (size_t i = 0; i < bindings.size(); ++i) {
+        const auto& value = bindings[i];
+        auto& image = prepared.images[i];
+        prepared.writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                              .dstBinding = pipeline.slots[i].binding,
+                              .descriptorCount = 1,
+                              .descriptorType = pipeline.slots[i].type,
+                              .pImageInfo = &image,
+                              .pBufferInfo = &prepared.buffers[i]};
         switch (value.kind) {
             case BindingKind::sampled:
-                images[i] = {store_[value.sampler], view(value.view, TextureUsage::sampled),
-                             store_[value.view.texture].shader_layout()};
+                image = {store_[value.sampler], view(value.view, TextureUsage::sampled),
+                         store_[value.view.texture].shader_layout()};
                 break;
             case BindingKind::storage_image:
-                images[i] = {VK_NULL_HANDLE, view(value.view, TextureUsage::storage),
-                             VK_IMAGE_LAYOUT_GENERAL};
+                image = {VK_NULL_HANDLE, view(value.view, TextureUsage::storage), VK_IMAGE_LAYOUT_GENERAL};
                 break;
             case BindingKind::storage_buffer:
             case BindingKind::uniform_buffer:
-                buffers[i] = {buffer(value.slice), value.slice.offset, value.slice.size};
+                prepared.buffers[i] = {buffer(value.slice), value.slice.offset, value.slice.size};
                 break;
         }
     }
     if (!result_) return false;
-    auto count = uint32_t(what.bindings.size());
-    if (gpu_.has_push_descriptors()) {
-        vk_.vkCmdPushDescriptorSetKHR(commands_, pipeline.bind_point, pipeline.layout.get(), 0, count,
-                                      writes.data());
-        return true;
+    if (!gpu_.has_push_descriptors()) {
+        auto set = sets_.allocate(gpu_, pipeline.set_layout.get());
+        if (!set) {
+            result_ = tl::unexpected(set.error());
+            return false;
+        }
+        const auto count = uint32_t(bindings.size());
+        for (uint32_t i = 0; i < count; ++i) prepared.writes[i].dstSet = *set;
+        vk_.vkUpdateDescriptorSets(gpu_.device(), count, prepared.writes.data(), 0, nullptr);
+        prepared.set = *set;
     }
-    auto set = sets_.allocate(gpu_, pipeline.set_layout.get());
-    if (!set) {
-        result_ = tl::unexpected(set.error());
-        return false;
-    }
-    for (uint32_t i = 0; i < count; ++i) writes[i].dstSet = *set;
-    vk_.vkUpdateDescriptorSets(gpu_.device(), count, writes.data(), 0, nullptr);
-    vk_.vkCmdBindDescriptorSets(commands_, pipeline.bind_point, pipeline.layout.get(), 0, 1, &*set, 0,
-                                nullptr);
+    prepared.bindings = bindings.data();
     return true;
 }
 

@@ -1,6 +1,7 @@
 // The RHI's commands as Vulkan's, into one command buffer.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -50,6 +51,8 @@ class Recorder {
           slot_(slot),
           sets_(sets),
           commands_(commands) {}
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
 
     /// Errors: out_of_memory, for views and descriptor sets that could not be made; those of the swapchain. The
     /// commands that need them are left out.
@@ -76,7 +79,20 @@ class Recorder {
   private:
     void barriers(std::span<const rhi::Barrier> barriers);
     bool begin_rendering(const rhi::RasterTargets& targets);
+    /// Descriptors of bindings that a pass uses more than once: commands that bind the same share their values'
+    /// place in memory. Points into itself.
+    struct PreparedSet {
+        const rhi::BindingValue* bindings = nullptr;
+        VkDescriptorSet set;  ///< without push descriptors
+        std::array<VkWriteDescriptorSet, rhi::max_bindings> writes;
+        std::array<VkDescriptorImageInfo, rhi::max_bindings> images;
+        std::array<VkDescriptorBufferInfo, rhi::max_bindings> buffers;
+    };
+
     bool bind(const rhi::PipelineBindings& what);
+    bool bind_set(const Pipeline& pipeline, std::span<const rhi::BindingValue> bindings);
+    bool prepare(const Pipeline& pipeline, std::span<const rhi::BindingValue> bindings,
+                 PreparedSet& prepared);
     VkImageView view(const rhi::TextureView& view, rhi::TextureUsage use);
     VkBuffer buffer(const rhi::BufferSlice& slice) const { return store_[slice.buffer].buffer.get(); }
     VkBufferImageCopy copy_region(const rhi::BufferSlice& slice, const Texture& texture,
@@ -90,6 +106,8 @@ class Recorder {
     DescriptorSets& sets_;
     VkCommandBuffer commands_;
     VkPipeline bound_ = VK_NULL_HANDLE;
+    const rhi::BindingValue* bound_bindings_ = nullptr;
+    std::array<PreparedSet, 8> prepared_;                  ///< by the place of their bindings
     std::vector<VkBufferMemoryBarrier2> buffer_barriers_;  ///< of one command
     std::vector<VkImageMemoryBarrier2> image_barriers_;
     Result<void> result_;

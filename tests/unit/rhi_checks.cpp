@@ -489,6 +489,51 @@ TEST_F(RasterChecks, OneRasterPassIsOneScope) {
     }
 }
 
+TEST_F(Checks, DrawsThatReadWhatTheyWriteMayNotBeRepeated) {
+    struct Rework : fake::Paint {
+        static const ProgramInfo& info() {
+            static const std::vector<BindingInfo> bindings = [] {
+                std::vector<BindingInfo> changed(fake::Paint::info().bindings.begin(),
+                                                 fake::Paint::info().bindings.end());
+                changed[1].access = ShaderAccess::read_write;
+                return changed;
+            }();
+            static const ProgramInfo program = [] {
+                ProgramInfo changed = fake::Paint::info();
+                changed.bindings = bindings;
+                return changed;
+            }();
+            return program;
+        }
+    };
+    auto rework = std::move(
+        device->create_raster_pipeline<Rework>({.color = {{.format = Format::rgba8_unorm}}}).value());
+    Texture color = texture({.name = "color", .extent = {8, 8, 1}, .usage = TextureUsage::attachment});
+    Buffer vertices = buffer("vertices"), list = buffer("list"), counter = buffer("counter");
+    Commands commands = device->begin();
+    RasterPass pass = commands.raster_pass("conflict", {.color = {{.view = color.view()}}});
+    for (int i = 0; i < 2; ++i)
+        pass.draw(rework, {vertices.slice(), list.slice(), counter.slice()}, {}, Draw{.vertices = 3});
+    expect_message(Check::conflicting_access, "list");
+    pass.end();
+    EXPECT_THAT(state.passes.back().commands, SizeIs(1));
+}
+
+TEST_F(Checks, WhatWasBoundBeforeIsCheckedAgainOnceAResourceIsGone) {
+    auto store = std::move(device->create_compute_pipeline<fake::Store>().value());
+    Buffer data = buffer("data");
+    const BufferSlice slice = data.slice();
+    Commands commands = device->begin();
+    Pass pass = commands.pass("test");
+    for (int i = 0; i < 3; ++i) pass.dispatch(store, {slice}, {}, {});
+    EXPECT_THAT(messages, IsEmpty());
+    data = {};
+    pass.dispatch(store, {slice}, {}, {});
+    expect_message(Check::stale_handle, "target");
+    pass.end();
+    EXPECT_THAT(state.passes.back().commands, SizeIs(3));
+}
+
 // -- descriptions that cannot be
 
 TEST_F(Checks, TextureDescriptions) {
