@@ -8,6 +8,7 @@
 #include "backends/vulkan/memory.hpp"
 #include "backends/vulkan/pipelines.hpp"
 #include "backends/vulkan/resources.hpp"
+#include "rhi/backend.hpp"
 #include "samples/lumo/bench/rhi_work.hpp"
 
 namespace lumo::program {
@@ -44,10 +45,12 @@ class StraightVulkan final : public RhiWork {
     const vulkan::DeviceTable& vk_;
     vulkan::Allocator allocator_;
     vulkan::PipelineCache cache_;
-    vulkan::Unique<VkCommandPool> pool_;
+    /// As many as lumo has in flight, used in turn.
+    vulkan::Unique<VkCommandPool> pools_[rhi::max_in_flight];
+    VkCommandBuffer command_buffers_[rhi::max_in_flight]{};
     vulkan::Unique<VkSemaphore> done_;
     uint64_t serial_ = 0;
-    VkCommandBuffer commands_ = VK_NULL_HANDLE;
+    VkCommandBuffer commands_ = VK_NULL_HANDLE;  ///< of the submission that is being recorded
     vulkan::Pipeline step_, mark_;
     vulkan::Unique<VkSampler> sampler_;
     vulkan::Texture pictures_[2], target_, transfer_texture_;
@@ -59,7 +62,9 @@ class StraightVulkan final : public RhiWork {
 template <class Record>
 Result<double> StraightVulkan::submitted(Record record) {
     const CpuTimer timer;
-    vk_.vkResetCommandPool(gpu_->device(), pool_.get(), 0);
+    const size_t slot = ++serial_ % rhi::max_in_flight;
+    commands_ = command_buffers_[slot];
+    vk_.vkResetCommandPool(gpu_->device(), pools_[slot].get(), 0);
     const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                          .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     vk_.vkBeginCommandBuffer(commands_, &begin);
@@ -69,7 +74,7 @@ Result<double> StraightVulkan::submitted(Record record) {
                                              .commandBuffer = commands_};
     const VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
                                        .semaphore = done_.get(),
-                                       .value = ++serial_,
+                                       .value = serial_,
                                        .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
     const VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
                              .commandBufferInfoCount = 1,
@@ -141,7 +146,9 @@ Result<void> StraightVulkan::prepare() {
     };
     const VkCommandPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                        .queueFamilyIndex = gpu_->queue_family()};
-    keep(pool_, gpu_->make<VkCommandPool>(vk_.vkCreateCommandPool, vk_.vkDestroyCommandPool, pool, "bench"));
+    for (auto& made : pools_)
+        keep(made,
+             gpu_->make<VkCommandPool>(vk_.vkCreateCommandPool, vk_.vkDestroyCommandPool, pool, "bench"));
     const VkSemaphoreTypeCreateInfo type{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
                                          .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE};
     const VkSemaphoreCreateInfo done{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &type};
@@ -162,12 +169,14 @@ Result<void> StraightVulkan::prepare() {
     keep(readback_, buffer(transfer_bytes, Memory::readback));
     if (!fine) return fine;
 
-    const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                               .commandPool = pool_.get(),
-                                               .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                               .commandBufferCount = 1};
-    if (VkResult result = vk_.vkAllocateCommandBuffers(gpu_->device(), &allocate, &commands_))
-        return vulkan::fail(result, gpu_->info().name, "vkAllocateCommandBuffers");
+    for (size_t i = 0; i < rhi::max_in_flight; ++i) {
+        const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                                   .commandPool = pools_[i].get(),
+                                                   .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                                   .commandBufferCount = 1};
+        if (VkResult result = vk_.vkAllocateCommandBuffers(gpu_->device(), &allocate, &command_buffers_[i]))
+            return vulkan::fail(result, gpu_->info().name, "vkAllocateCommandBuffers");
+    }
     for (int i = 0; i < 2; ++i) picture_views_[i] = view(pictures_[i], rhi::TextureUsage::sampled);
     target_view_ = view(target_, rhi::TextureUsage::attachment);
 
