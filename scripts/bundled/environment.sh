@@ -1,9 +1,9 @@
-# Makes up for what a machine with nothing but a GPU driver may lack. Sourced by the programs' starters, which set here.
+# Makes up for what a machine with nothing but a GPU driver may lack. Sourced by the programs' starters, which
+# set here.
 
-# The first file of this name where the machine keeps its libraries.
+# The file of this name that the machine's dynamic linker would take, or nothing.
 machine_library() {
-    for folder in $(echo "${LD_LIBRARY_PATH:-}" | tr ':' ' ') /lib/x86_64-linux-gnu /usr/lib/x86_64-linux-gnu \
-        /lib64 /usr/lib64 /lib /usr/lib /usr/local/lib /usr/local/nvidia/lib64; do
+    for folder in $(echo "${machine_path}" | tr ':' ' '); do
         if [ -e "$folder/$1" ]; then
             echo "$folder/$1"
             return
@@ -24,14 +24,21 @@ any_exists() {
     return 1
 }
 
-# The C++ library: the newer of the machine's, which its driver may need, and this folder's.
-cxx=$(machine_library libstdc++.so.6)
-if [ -z "$cxx" ] || ! grep -q "@cxx@" "$cxx" || [ -z "$(machine_library libgcc_s.so.1)" ]; then
-    LD_LIBRARY_PATH=$here/lib-c++${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
-fi
-if [ -z "$(machine_library libX11.so.6)" ] || [ -z "$(machine_library libXext.so.6)" ]; then
-    LD_LIBRARY_PATH=${LD_LIBRARY_PATH:+$LD_LIBRARY_PATH:}$here/lib-x11
-fi
+machine_path=${LD_LIBRARY_PATH:-}
+for folder in /lib/x86_64-linux-gnu /usr/lib/x86_64-linux-gnu /lib64 /usr/lib64 /lib /usr/lib; do
+    # Where the 64-bit libraries are depends on the distribution.
+    if [ -e $folder/libc.so.6 ] && [ "$(head -c 5 $folder/libc.so.6 | tail -c 1)" = "$(printf '\2')" ]; then
+        machine_path=$machine_path:$folder
+    fi
+done
+
+# A driver may need newer ones of these than are here: only what the machine lacks is taken from here.
+for folder in "$here"/fallback/*; do
+    name=${folder##*/}
+    found=$(machine_library "$name")
+    if [ -n "$found" ] && [ "$name" = libstdc++.so.6 ] && ! grep -q "@cxx@" "$found"; then found=; fi
+    if [ -z "$found" ]; then LD_LIBRARY_PATH=${LD_LIBRARY_PATH:+$LD_LIBRARY_PATH:}$folder; fi
+done
 if [ -n "${LD_LIBRARY_PATH:-}" ]; then export LD_LIBRARY_PATH; fi
 
 # NVIDIA's driver mounted into a container comes without the files that name it to the loaders.
