@@ -169,7 +169,8 @@ void print_report(const Options& options, const scene::Scene& scene, const frame
 Result<int> check(const Options& options) {
     const auto scene = load_scene(options);
     if (!scene) return tl::unexpected(scene.error());
-    const frame::Plan plan = make_plan(examine(*scene, options.frame), options.frame);
+    const frame::SceneFacts facts = examine(*scene, options.frame);
+    const frame::Plan plan = make_plan(facts, resolve(options.frame, facts));
     if (options.json)
         fmt::print(
             "{}\n",

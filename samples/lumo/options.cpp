@@ -140,14 +140,25 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
     setting("--gi", "on|off", "on", "indirect light",
             one_of<bool>(&frame.gi, {{"on", true}, {"off", false}}));
     setting("--storage", "vt|svo", "vt", "of the voxels: a volume texture, or a sparse octree",
-            one_of<voxels::Storage>(&frame.voxels.storage, {{"vt", voxels::Storage::dense},
-                                                            {"svo", voxels::Storage::octree}}));
+            one_of<voxels::Storage>(&frame.voxels.storage,
+                                    {{"vt", voxels::Storage::dense}, {"svo", voxels::Storage::octree}}));
     setting("--voxels", "N", fmt::to_string(frame.voxels.resolution), "a side: a power of two, 16 to 1024",
             into(frame.voxels.resolution, parse_voxels));
     setting("--mips", "iso|ani", "ani", "of the voxels: isotropic, or anisotropic in six directions",
             one_of<voxels::MipKind>(&frame.voxels.mips, {{"iso", voxels::MipKind::isotropic},
                                                          {"ani", voxels::MipKind::anisotropic}}));
-    setting("--range", "ldr", "ldr", "of the voxels' colours: 8 bits", only("ldr"));
+    using Range = std::optional<voxels::Range>;
+    std::vector<std::pair<std::string, Range>> ranges{{"auto", std::nullopt}};
+    for (const voxels::Range range : voxels::all_ranges) ranges.emplace_back(to_string(range), range);
+    setting("--range", "NAME", "auto",
+            "of the voxels' light: ldr or average, 8 bits; mutex, rgbe or fixed, half floats; auto: ldr, or "
+            "fixed "
+            "where the scene needs more",
+            one_of<Range>(&frame.range, ranges));
+    setting("--voxelizer", "raster|compute", "compute", "who finds the voxels that a triangle meets",
+            one_of<voxels::VoxelizerKind>(
+                &frame.voxels.voxelizer,
+                {{"raster", voxels::VoxelizerKind::raster}, {"compute", voxels::VoxelizerKind::compute}}));
     setting("--cones", "N", fmt::to_string(frame.cones.count),
             fmt::format("a pixel, 1 to {}", cones::max_cones), [&](const std::string& text) -> Result<void> {
                 return parse_integer(text, 1, cones::max_cones).map([&](uint32_t count) {

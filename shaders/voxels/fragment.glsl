@@ -2,8 +2,8 @@
 // what a destination needs:
 //   - MARKS, a binding: voxels are marked in an occupancy volume (voxels/occupancy.glsl), and nothing else is
 //     evaluated than whether the fragment is there;
-//   - or EMISSION_TEXTURE and SUMS, bindings, and those of voxels/octree_cells.glsl, which says where in the accumulator
-//     (voxels/accumulator.glsl) a voxel has its sums.
+//   - or EMISSION_TEXTURE, a binding, those of voxels/accumulate.glsl, and those of voxels/octree_cells.glsl, which says
+//     where in the accumulator a voxel has its sums.
 
 #include "common/voxel_grid.glsl"
 #include "common/material.glsl"
@@ -19,7 +19,12 @@ struct VoxelFragment {
     vec4 color;         // the vertices'
     vec2 uv_per_voxel;  // length of one voxel in each uv set
     vec3 facing;        // unit normal of the front side
+    uint seed;          // another for every fragment
 };
+
+uint fragment_seed(uint triangle, int axis, ivec2 column) {
+    return (triangle * 3u + uint(axis)) * 747796405u ^ uint(column.x) * 2891336453u ^ uint(column.y) * 277803737u;
+}
 
 // The mip whose texels are as large as a voxel.
 float texel_lod(VoxelFragment f, uint role, ivec2 size) {
@@ -46,8 +51,6 @@ void keep_fragment(VoxelFragment f) {
 #include "voxels/accumulate.glsl"
 #include "voxels/octree_cells.glsl"
 
-layout(constant_id = 1) const bool emission = false;  // sums emission instead of base colour
-
 void keep_fragment(VoxelFragment f) {
     vec4 base = base_color_of(f);
     if (alpha_test && base.a < material.alpha_cutoff) return;
@@ -61,7 +64,7 @@ void keep_fragment(VoxelFragment f) {
         value = push.emission_scale *
                 material_emission_lod(f.uv0, f.uv1, texel_lod(f, role_emission, textureSize(emission_texture, 0)));
     }
-    add_color(cell, word_color, value, weight);
+    add_value(cell, value, weight, f.seed);
     add(cell, word_weight, weight);
     if (normals && !emission) add_color(cell, word_normal, f.facing * 0.5 + 0.5, weight);
     if (translucent && !emission) add(cell, word_opacity, floor(clamp(base.a, 0.0, 1.0) * weight + 0.5));

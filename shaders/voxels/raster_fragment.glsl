@@ -12,5 +12,6 @@ void main() {
     ivec3 voxel = ivec3(floor(vec3(gl_FragCoord.xy, height)));
     voxel = axis == 0u ? voxel.zxy : axis == 1u ? voxel.yzx : voxel;
     if (!inside_grid(voxel, int(push.resolution))) return;
-    keep_fragment(VoxelFragment(voxel, share, uv0, uv1, color, uv_per_voxel, facing));
+    keep_fragment(VoxelFragment(voxel, share, uv0, uv1, color, uv_per_voxel, facing,
+                                fragment_seed(number, int(axis), ivec2(gl_FragCoord.xy))));
 }

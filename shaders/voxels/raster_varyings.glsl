@@ -11,3 +11,4 @@ layout(location = 6) flat VARYING float share;        // surface area of a fragm
 layout(location = 7) flat VARYING vec2 uv_per_voxel;  // length of one voxel in each uv set
 layout(location = 8) flat VARYING vec3 facing;        // unit normal of the front side
 layout(location = 9) flat VARYING vec2 extent;        // least and greatest height of the triangle
+layout(location = 10) flat VARYING uint number;       // of the triangle, in all draws

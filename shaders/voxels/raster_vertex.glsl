@@ -22,6 +22,8 @@ void main() {
     uint instance = push.first_instance + uint(gl_InstanceIndex) / 3u;
     uint first_corner = push.first_index + uint(gl_VertexIndex) / 3u * 3u;
 
+    number = first_corner / 3u + instance * 0x9e3779b9u;
+
     VoxelGrid grid = VoxelGrid(push.grid_origin, push.voxels_per_metre);
     Vertex corner[3];
     vec3 p[3];

@@ -22,6 +22,7 @@ const int small_columns = 128;
 const int small_side = 63 * voxel_units;
 
 struct Triangle {
+    uint number;  // in all draws
     uint instance;
     uvec3 vertices;
     vec3 p[3];  // corners, grid space
@@ -34,6 +35,7 @@ Triangle fetch_triangle(uint number) {
     Triangle t;
     t.instance = push.first_instance + number / push.triangles;
     uint first = push.first_index + number % push.triangles * 3u;
+    t.number = first / 3u + t.instance * 0x9e3779b9u;
     t.vertices = uvec3(indices.data[first], indices.data[first + 1u], indices.data[first + 2u]);
     VoxelGrid grid = VoxelGrid(push.grid_origin, push.voxels_per_metre);
     for (int i = 0; i < 3; ++i) {
@@ -117,5 +119,6 @@ void keep_column(Triangle t, int axis, ivec2 column, vec3 inside, bool turned) {
     f.color = weights.x * a.color + weights.y * b.color + weights.z * c.color;
     f.uv_per_voxel = sqrt(abs(vec2(d0.x * e0.y - d0.y * e0.x, d1.x * e1.y - d1.y * e1.x)) / t.doubled_area);
     f.facing = t.normal / t.doubled_area * instance_handedness(t.instance);
+    f.seed = fragment_seed(t.number, axis, column);
     keep_fragment(f);
 }

@@ -1,6 +1,7 @@
 #include "techniques/frame/frame.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "techniques/cones/gather.hpp"
 #include "techniques/voxels/octree_statistics.hpp"
@@ -53,7 +54,6 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
                                             .lights = plan.needs("voxels.light"),
                                             .several_lights = facts.several_lights,
                                             .normals = plan.needs("voxels.bounce"),
-                                            .wide_range = facts.wide_range(),
                                             .triangles = voxels::count_triangles(geometry),
                                             .draws = uint32_t(geometry.draws.size()),
                                             .octree = std::move(octree)}),
@@ -132,6 +132,15 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
                                .volume = source ? std::optional(source->volume) : std::nullopt,
                                .volume_emits = emission_});
     if (post_) post_->record(commands, lit.radiance);
+}
+
+Result<uint32_t> Frame::dropped_voxel_writes(rhi::Device& device) const {
+    if (!volume_ || is_order_free(settings_.voxels.range)) return 0;
+    return device.download(volume_->dropped_writes()).map([](const std::vector<std::byte>& bytes) {
+        uint32_t count = 0;
+        std::memcpy(&count, bytes.data(), sizeof count);
+        return count;
+    });
 }
 
 const rhi::Texture& Frame::texture(Layer layer) const {

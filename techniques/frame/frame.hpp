@@ -38,6 +38,8 @@ class Frame {
     /// What the frame last recorded fills, of a layer that Settings asked for: rgba8_unorm for final, else
     /// rgba32_float. Row 0 is the bottom of the picture.
     const rhi::Texture& texture(Layer layer) const;
+    /// What the range of the voxels gave up in the frame last recorded; waits for it. Errors: those of the device.
+    Result<uint32_t> dropped_voxel_writes(rhi::Device& device) const;
 
   private:
     Frame() = default;

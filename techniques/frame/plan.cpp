@@ -32,6 +32,12 @@ SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
     return facts;
 }
 
+Settings resolve(Settings settings, const SceneFacts& facts) {
+    settings.voxels.range =
+        settings.range.value_or(facts.wide_range() ? voxels::Range::fixed : voxels::Range::ldr);
+    return settings;
+}
+
 bool Plan::needs(std::string_view what) const {
     const auto item =
         std::find_if(items.begin(), items.end(), [&](const PlanItem& i) { return i.what == what; });
@@ -64,7 +70,10 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
            "no material emits or is unlit");
     decide("shadow", facts.lights && surfaces, "analytic lights cast shadows",
            facts.lights ? "the scene has no triangles" : "the scene has no analytic light");
-    decide("voxels", gi, fmt::format("indirect light, {0} x {0} x {0}", settings.voxels.resolution), no_gi);
+    decide("voxels", gi,
+           fmt::format("indirect light, {0} x {0} x {0}, range {1}", settings.voxels.resolution,
+                       to_string(settings.voxels.range)),
+           no_gi);
     decide("voxels.mask", gi && facts.alpha_mask, "some materials are cut out by alpha",
            gi ? "no material has alpha mode MASK" : no_gi);
     decide("voxels.opacity", gi && facts.alpha_blend, "some materials are blended",

@@ -35,6 +35,9 @@ struct SceneFacts {
 /// Counts only what instances use.
 SceneFacts examine(const scene::Scene& scene, const Settings& settings);
 
+/// The settings with what they leave to the scene decided. Plans and frames are made of these.
+Settings resolve(Settings settings, const SceneFacts& facts);
+
 /// One thing that a frame may hold.
 struct PlanItem {
     std::string what;  ///< as passes and resources name it

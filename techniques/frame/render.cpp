@@ -29,8 +29,9 @@ scene::Image<T> flipped(const std::vector<std::byte>& texels, rhi::Extent size, 
 }  // namespace
 
 Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const scene::Camera& camera,
-                        const Settings& settings) {
-    const SceneFacts facts = examine(scene, settings);
+                        const Settings& asked) {
+    const SceneFacts facts = examine(scene, asked);
+    const Settings settings = resolve(asked, facts);
     Rendered rendered;
     rendered.plan = make_plan(facts, settings);
 
@@ -56,6 +57,9 @@ Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const sc
     rendered.passes = device.pass_times(submission);
     rendered.memory = device.memory();
     rendered.trace = device.trace(submission);
+    const Result<uint32_t> dropped = frame->dropped_voxel_writes(device);
+    if (!dropped) return tl::unexpected(dropped.error());
+    rendered.dropped_voxel_writes = *dropped;
 
     for (const Layer layer : settings.layers) {
         const rhi::Texture& texture = frame->texture(layer);

@@ -26,12 +26,13 @@ struct Rendered {
     std::vector<rhi::PassTime> passes;
     std::vector<rhi::MemoryEntry> memory;
     double wall_ms = 0;  ///< of recording and running the frame; loading and compiling are not in it
-    std::string trace;   ///< the frame's barriers, as rhi::Device::trace, where tracing is on
+    uint32_t dropped_voxel_writes = 0;  ///< by voxels::Range mutex or average; the others drop none
+    std::string trace;                  ///< the frame's barriers, as rhi::Device::trace, where tracing is on
 };
 
-/// The scene's sun is its first directional light with any intensity; other lights are not drawn. Errors: those of
+/// Renders with resolve()d settings. The scene's sun is its first directional light with any intensity; other lights are not drawn. Errors: those of
 /// the device and of the techniques.
 Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const scene::Camera& camera,
-                        const Settings& settings);
+                        const Settings& asked);
 
 }  // namespace lumo::frame

@@ -42,6 +42,7 @@ struct Settings {
     std::vector<Layer> layers{Layer::final};
     PlanMode plan = PlanMode::automatic;
     voxels::Settings voxels = {};
+    std::optional<voxels::Range> range = {};  ///< voxels.range; none: what the scene's light needs
     cones::Settings cones = {};
     shadow::Settings shadow = {};
     post::Settings post = {};

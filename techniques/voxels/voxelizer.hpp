@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -70,6 +71,7 @@ rhi::Groups triangle_groups(uint32_t triangles);
 ///         using Large = shaders::…;   // of large_triangles.glsl
 ///         Raster::Bindings raster(const DrawSources&) const;
 ///         template <class P> typename P::Bindings compute(const DrawSources&, const LargeTriangles&) const;
+///         static constexpr bool draws_alone = true;  // only where atomics that commute are not all that is written
 ///     };
 template <class Destination>
 class Voxelizer {
@@ -176,12 +178,16 @@ void Voxelizer<Destination>::record(rhi::Commands& commands, std::string_view pa
     };
     if (kind_ == VoxelizerKind::raster) {
         const uint32_t side = grid.resolution;
-        rhi::RasterPass pass = commands.raster_pass(pass_name, {.extent = {side, side, 1}});
+        std::optional<rhi::RasterPass> pass;
         for (const scene::DrawView& draw : geometry.draws) {
             if (!wanted(draw)) continue;
-            pass.draw(raster_[is_masked(draw)], destination.raster(sources_of(geometry, draw)),
-                      push_of<Raster>(grid, draw, 0, 0, emission_scale),
-                      rhi::Draw{.vertices = draw.index_count, .instances = draw.instances * 3});
+            if (!pass || requires { Destination::draws_alone; }) {
+                pass.reset();
+                pass.emplace(commands.raster_pass(pass_name, {.extent = {side, side, 1}}));
+            }
+            pass->draw(raster_[is_masked(draw)], destination.raster(sources_of(geometry, draw)),
+                       push_of<Raster>(grid, draw, 0, 0, emission_scale),
+                       rhi::Draw{.vertices = draw.index_count, .instances = draw.instances * 3});
         }
         return;
     }

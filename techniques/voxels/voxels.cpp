@@ -12,9 +12,6 @@ namespace {
 using rhi::Dimension;
 using rhi::Format;
 
-/// sum_words of shaders/voxels/accumulator.glsl.
-uint32_t sum_words(const Needs& needs) { return 4 + (needs.normals ? 3 : 0) + (needs.translucent ? 1 : 0); }
-
 /// flux_words of shaders/voxels/flux.glsl.
 uint32_t flux_words(const Needs& needs) { return needs.several_lights ? 4 : 1; }
 
@@ -25,6 +22,14 @@ rhi::TextureDesc volume_desc(std::string name, Format format, rhi::Extent extent
             .extent = extent,
             .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::storage};
 }
+
+VoxelizerNeeds voxelizer_needs(const Needs& needs) {
+    return {.alpha_mask = needs.alpha_mask, .triangles = needs.triangles, .draws = needs.draws};
+}
+
+/// Half floats hold light relative to its unit with 2^8 below their greatest number for what is reflected many times,
+/// and the rest for what is faint: 11 bits down to 2^-22 of the unit, and something down to 2^-32.
+float stored_unit(Range range) { return is_wide(range) ? 256.0f : 1.0f; }
 
 constexpr auto every_draw = [](const scene::DrawView&) { return true; };
 
@@ -40,33 +45,6 @@ Grid fit_grid(const scene::Bounds& bounds, uint32_t resolution) {
     return {.origin = center - glm::vec3(voxel * float(resolution) * 0.5f),
             .voxel_size = voxel,
             .resolution = resolution};
-}
-
-CellSums::Raster::Bindings CellSums::raster(const DrawSources& draw) const {
-    return {.vertices = draw.vertices,
-            .indices = draw.indices,
-            .instances = draw.instances,
-            .material = draw.material,
-            .base_color_texture = draw.base_color_texture,
-            .emission_texture = draw.emission_texture,
-            .sums = sums,
-            .octree_nodes = octree_nodes,
-            .records = records};
-}
-
-template <class P>
-typename P::Bindings CellSums::compute(const DrawSources& draw, const LargeTriangles& large) const {
-    return {.vertices = draw.vertices,
-            .indices = draw.indices,
-            .instances = draw.instances,
-            .material = draw.material,
-            .base_color_texture = draw.base_color_texture,
-            .emission_texture = draw.emission_texture,
-            .sums = sums,
-            .large_arguments = large.arguments,
-            .large_list = large.list,
-            .octree_nodes = octree_nodes,
-            .records = records};
 }
 
 Result<Volume> Volume::create(rhi::Device& device, const Settings& settings, const Needs& needs) {
@@ -105,33 +83,19 @@ Result<void> Volume::create_octree(rhi::Device& device) {
         made = Octree::create(device,
                               {.resolution = resolution,
                                .mips = settings_.mips,
-                               .wide_range = needs_.wide_range,
+                               .wide_range = is_wide(settings_.range),
                                .list_voxels = needs_.normals},
                               needs_.octree)
                    .map(keep(octree_));
     }
     if (made) {
         cells_ = octree_->cell_extent();
-        made = create_marker(
-                   device, settings_.voxelizer,
-                   {.alpha_mask = needs_.alpha_mask, .triangles = needs_.triangles, .draws = needs_.draws})
-                   .map(keep(mark_));
+        made = create_marker(device, settings_.voxelizer, voxelizer_needs(needs_)).map(keep(mark_));
     }
     return made;
 }
 
 Result<void> Volume::create_textures(rhi::Device& device) {
-    const uint32_t words = sum_words(needs_);
-    const uint32_t widest = device.info().limits.max_texture_side_3d;
-    if (cells_.width * words > widest) {
-        return fail(ErrorKind::limit, "--voxels",
-                    fmt::format("{} voxels a side need a volume {} texels wide, and this device's end at {}",
-                                settings_.resolution, cells_.width * words, widest),
-                    fmt::format("use at most {}, or --storage svo", widest / words));
-    }
-    rhi::TextureDesc sums = volume_desc("voxels.sums", Format::r32_uint, cells_);
-    sums.extent.width *= words;
-
     rhi::TextureDesc flux =
         volume_desc("voxels.direct_flux", Format::r32_uint, needs_.lights ? cells_ : rhi::Extent{});
     flux.extent.width *= flux_words(needs_);
@@ -141,7 +105,6 @@ Result<void> Volume::create_textures(rhi::Device& device) {
         rhi::TextureDesc desc;
     };
     const Wanted wanted[] = {
-        {&sums_, std::move(sums)},
         {&albedo_, volume_desc("voxels.albedo", Format::rgba8_unorm, cells_)},
         {&area_, volume_desc("voxels.area", Format::r8_unorm, cells_)},
         // A program's bindings are all bound: one texel stands for a volume that this frame does without.
@@ -162,7 +125,7 @@ Result<void> Volume::create_textures(rhi::Device& device) {
 
 Result<LightVolume> Volume::create_light(rhi::Device& device, const std::string& name) const {
     if (octree_) return octree_->create_light(device, name);
-    return LightVolume::create(device, name, settings_.resolution, settings_.mips, needs_.wide_range);
+    return LightVolume::create(device, name, settings_.resolution, settings_.mips, is_wide(settings_.range));
 }
 
 rhi::View<Dimension::d3> Volume::light_cells(const LightVolume& light) const {
@@ -186,31 +149,29 @@ rhi::BufferSlice Volume::voxel_list() const { return octree_ ? octree_->voxels()
 
 Result<void> Volume::create_pipelines(rhi::Device& device) {
     const auto keep = [](auto& pipeline) { return [&pipeline](auto made) { pipeline = std::move(made); }; };
-    const auto create_voxelizer = [&](bool emission, auto& place) {
-        return Voxelizer<CellSums>::create(
-                   device, settings_.voxelizer,
-                   {.alpha_mask = needs_.alpha_mask, .triangles = needs_.triangles, .draws = needs_.draws},
-                   [&]<rhi::Program P>(bool alpha_test) {
-                       return typename P::Options{.alpha_test = alpha_test,
-                                                  .emission = emission,
-                                                  .translucent = needs_.translucent,
-                                                  .normals = needs_.normals,
-                                                  .octree_levels = octree_levels()};
-                   })
-            .map(keep(place));
-    };
-    Result<void> made = create_voxelizer(false, voxelize_);
-    if (made && needs_.emission) made = create_voxelizer(true, voxelize_emission_);
+    Result<void> made = Sums::create(device,
+                                     {.range = settings_.range,
+                                      .voxelizer = settings_.voxelizer,
+                                      .octree_levels = octree_levels(),
+                                      .emission = needs_.emission,
+                                      .translucent = needs_.translucent,
+                                      .normals = needs_.normals},
+                                     voxelizer_needs(needs_), cells_)
+                            .map(keep(sums_));
     if (made) {
         made = device
-                   .create_compute_pipeline<shaders::voxels::resolve>(
-                       {.translucent = needs_.translucent, .normals = needs_.normals})
+                   .create_compute_pipeline<shaders::voxels::resolve>({.translucent = needs_.translucent,
+                                                                       .normals = needs_.normals,
+                                                                       .range = int32_t(settings_.range)})
                    .map(keep(resolve_));
     }
     if (made && needs_.emission) {
         made = device
                    .create_compute_pipeline<shaders::voxels::resolve_emission>(
-                       {.translucent = needs_.translucent, .normals = needs_.normals})
+                       {.emission = true,
+                        .translucent = needs_.translucent,
+                        .normals = needs_.normals,
+                        .range = int32_t(settings_.range)})
                    .map(keep(resolve_emission_));
     }
     if (made && needs_.lights) {
@@ -228,11 +189,9 @@ Result<void> Volume::create_pipelines(rhi::Device& device) {
 
 void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geometry, float max_emission) {
     grid_ = fit_grid(geometry.bounds, settings_.resolution);
-    emission_unit_ = max_emission > 0 ? max_emission : 1;
+    // Eight bits hold what is displayed, as the paper's do; an emitter may be brighter.
+    emission_unit_ = is_wide(settings_.range) && max_emission > 0 ? max_emission : 1;
 
-    const auto clear = [&](const char* name) {
-        commands.pass(name).clear(sums_.view(), std::array<uint32_t, 4>{});
-    };
     if (octree_) {
         Occupancy& occupancy = octree_->occupancy();
         occupancy.clear(commands);
@@ -240,29 +199,29 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
         occupancy.record(commands);
         octree_->index(commands);
     }
-    const CellSums destination{
-        .sums = sums_.mip<Dimension::d3>(0), .octree_nodes = nodes(), .records = records()};
-    clear("voxels.clear");
-    voxelize_.record(commands, "voxels.voxelize", geometry, grid_, destination, 0, every_draw);
+    const CellLookup lookup{nodes(), records()};
+    sums_->add_surfaces(commands, geometry, grid_, lookup);
     commands.pass("voxels.resolve")
         .dispatch(resolve_,
-                  {.sums = sums_.mip<Dimension::d3>(0),
+                  {.sums = sums_->sums().mip<Dimension::d3>(0),
+                   .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
+                   .floats = sums_->floats().mip<Dimension::d3>(0),
                    .albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
                    .normal = normal_.mip<Dimension::d3>(0)},
                   {}, cell_groups());
     if (!needs_.emission) return;
 
-    clear("voxels.clear_emission");
-    voxelize_emission_.record(commands, "voxels.voxelize_emission", geometry, grid_, destination,
-                              1 / emission_unit_, [](const scene::DrawView& draw) { return draw.emits; });
+    sums_->add_emission(commands, geometry, grid_, lookup, 1 / emission_unit_);
     rhi::Pass pass = commands.pass("voxels.emission");
     pass.dispatch(resolve_emission_,
-                  {.sums = sums_.mip<Dimension::d3>(0),
+                  {.sums = sums_->sums().mip<Dimension::d3>(0),
+                   .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
+                   .floats = sums_->floats().mip<Dimension::d3>(0),
                    .albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
-                   .emission = light_cells(emission_)},
-                  {}, cell_groups());
+                   .emission_volume = light_cells(emission_)},
+                  {.scale = stored_unit(settings_.range)}, cell_groups());
     spread(pass, emission_);
 }
 
@@ -326,7 +285,7 @@ void Volume::inject(rhi::Commands& commands, const shadow::View* lights) {
         }
         light(commands, *lights);
     }
-    injected_.radiance_scale = unit > 0 ? 1 / unit : 1;
+    injected_.radiance_scale = stored_unit(settings_.range) / (unit > 0 ? unit : 1);
 
     rhi::Pass pass = commands.pass("voxels.inject");
     pass.dispatch(inject_,
@@ -356,7 +315,7 @@ View Volume::view() const {
             .radiance = view_of(radiance_),
             .emission = view_of(needs_.emission ? emission_ : radiance_),
             .radiance_unit = 1 / injected_.radiance_scale,
-            .emission_unit = emission_unit_,
+            .emission_unit = emission_unit_ / stored_unit(settings_.range),
             .nodes = nodes(),
             .octree_levels = octree_levels()};
 }

@@ -1,10 +1,8 @@
 // A voxel volume of the scene: its surfaces, and the light that leaves them, in volume textures.
 //
-// voxelize() sums base colour (and emission) per voxel by the rasterizer and resolves them to means; inject()
-// turns the sun's light, as the shadow map saw it, into outgoing radiance; both end in the mips that
-// cones sample. Colours have 8 bits (the paper's LDR); radiance has 8 bits where the sun is the only light,
-// and half floats where emitters or an environment make it differ too much. Sums are integers: both APIs get
-// the same voxels.
+// voxelize() sums base colour (and emission) per voxel and resolves them to means; inject() turns the light of analytic
+// lights, as their shadow maps saw it, into outgoing radiance; both end in the mips that cones sample. Surfaces have 8
+// bits a channel, light what Range says.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +16,11 @@
 #include "shaders/voxels/light.hpp"
 #include "shaders/voxels/resolve.hpp"
 #include "shaders/voxels/resolve_emission.hpp"
-#include "shaders/voxels/voxelize.hpp"
-#include "shaders/voxels/voxelize_large.hpp"
-#include "shaders/voxels/voxelize_small.hpp"
 #include "techniques/shadow/shadow.hpp"
 #include "techniques/voxels/light_volume.hpp"
 #include "techniques/voxels/octree.hpp"
+#include "techniques/voxels/range.hpp"
+#include "techniques/voxels/sums.hpp"
 #include "techniques/voxels/voxelizer.hpp"
 
 namespace lumo::voxels {
@@ -36,6 +33,7 @@ struct Settings {
     MipKind mips = MipKind::anisotropic;
     VoxelizerKind voxelizer = VoxelizerKind::compute;
     Storage storage = Storage::dense;
+    Range range = Range::ldr;
 
     /// log2 of the resolution; 0: a dense volume.
     int32_t octree_levels() const;
@@ -49,7 +47,6 @@ struct Needs {
     bool lights = false;          ///< there are analytic lights to inject
     bool several_lights = false;  ///< … and not one directional light alone
     bool normals = false;         ///< light is reflected on from voxel to voxel
-    bool wide_range = false;      ///< radiance needs more than 8 bits
     uint64_t triangles = 0;       ///< most that voxelize() is given, instances counted
     uint32_t draws = 0;           ///< most that voxelize() is given
     OctreeSize octree = {};       ///< room for an octree (count_octree); of a dense volume nothing is asked
@@ -65,25 +62,10 @@ struct View {
     LightVolumeView radiance;  ///< a: opacity
     LightVolumeView emission;  ///< the radiance again where nothing emits
     float radiance_unit = 1;
-    float emission_unit = 1;
+    float emission_unit = 1;  ///< both are such that half floats have room below and above what was injected
     /// Of the octree that both lights are bricks of; of a dense volume, one texel that nothing reads.
     rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> nodes;
     int32_t octree_levels = 0;  ///< log2 of the resolution; 0: a dense volume
-};
-
-/// Where voxelizers add: the accumulators of all cells, a cell being a voxel of a dense volume, or of an octree's list.
-struct CellSums {
-    using Raster = shaders::voxels::voxelize;
-    using Small = shaders::voxels::voxelize_small;
-    using Large = shaders::voxels::voxelize_large;
-
-    Raster::Bindings raster(const DrawSources& draw) const;
-    template <class P>
-    typename P::Bindings compute(const DrawSources& draw, const LargeTriangles& large) const;
-
-    rhi::View<rhi::Dimension::d3> sums;
-    rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> octree_nodes;
-    rhi::StorageBuffer records;
 };
 
 class Volume {
@@ -120,6 +102,10 @@ class Volume {
     /// None of a dense volume.
     const Octree* octree() const { return octree_ ? &*octree_ : nullptr; }
 
+    /// uint32_t: writes to voxels that the range mutex or average gave up in the last voxelize().
+    rhi::BufferSlice dropped_writes() const { return sums_->dropped(); }
+    const Sums& sums() const { return *sums_; }
+
     // Surfaces, a texel a cell.
     const rhi::Texture& albedo() const { return albedo_; }  ///< rgba8_unorm; a: opacity, 0 where empty
     const rhi::Texture& area() const { return area_; }      ///< r8_unorm, encode_area of voxel_grid.glsl
@@ -137,11 +123,11 @@ class Volume {
     Settings settings_;
     Needs needs_;
     Grid grid_;
-    float emission_unit_ = 1;
+    float emission_unit_ = 1;  ///< W/m²/sr that is 1 to the sums
     shaders::voxels::inject::Push injected_{};
 
     rhi::Extent cells_;  ///< texels of the textures below
-    rhi::Texture sums_;  ///< layout: shaders/voxels/accumulator.glsl
+    std::optional<Sums> sums_;
     rhi::Texture albedo_;
     rhi::Texture area_;
     rhi::Texture normal_;
@@ -149,8 +135,6 @@ class Volume {
     LightVolume radiance_;
     LightVolume emission_;
 
-    Voxelizer<CellSums> voxelize_;
-    Voxelizer<CellSums> voxelize_emission_;
     rhi::ComputePipeline<shaders::voxels::resolve> resolve_;
     rhi::ComputePipeline<shaders::voxels::resolve_emission> resolve_emission_;
     rhi::ComputePipeline<shaders::voxels::light> light_;

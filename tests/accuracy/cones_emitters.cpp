@@ -17,8 +17,8 @@ using namespace testing_support;
 
 struct EmittersTest : DeviceTest {
     cones::EmitterBlock emitters_of(const scene::Scene& scene, uint32_t resolution) {
-        const Voxelized voxelized =
-            voxelize(device(), scene, {.resolution = resolution, .normals = true, .wide_range = true});
+        const Voxelized voxelized = voxelize(
+            device(), scene, {.resolution = resolution, .normals = true, .range = voxels::Range::fixed});
         auto emitters = must(cones::Emitters::create(device(), {.resolution = resolution}));
         rhi::Commands commands = device().begin();
         emitters.record(commands, voxelized.volume);

@@ -15,6 +15,7 @@ namespace {
 using namespace testing_support;
 using scene::builtin::Geometry;
 
+struct VoxelizeTest : VoxelizerTest {};
 INSTANTIATE_TEST_SUITE_P(Accuracy, VoxelizeTest, each_voxelizer, voxelizer_name);
 
 glm::vec3 random_unit(std::mt19937& random) {

@@ -83,7 +83,7 @@ TEST_P(VoxelLightTest, PlaneReflectsWhatItReceives) {
                                                  {.resolution = 64,
                                                   .sun = Sun{to_sun, irradiance},
                                                   .shadow_resolution = 1024,
-                                                  .wide_range = true});
+                                                  .range = voxels::Range::fixed});
             const glm::mat4 unturn = glm::inverse(plane.turn);
             const double margin = 1 - 2.5 * double(voxelized.grid.voxel_size);
             const Lit lit = measure(device(), voxelized, [&](glm::dvec3 center) {
@@ -107,11 +107,12 @@ TEST_P(VoxelLightTest, BallReflectsTheFluxOfItsDisc) {
     for (const glm::vec3 to_sun : {glm::vec3(0, 1, 0), glm::vec3(-1, 0, 0), glm::vec3(0.3f, 0.5f, -0.7f)}) {
         SCOPED_TRACE(fmt::format("sun at {} {} {}", to_sun.x, to_sun.y, to_sun.z));
         for (const bool wide_range : {true, false}) {
-            const Voxelized voxelized = voxelize(device(), scene,
-                                                 {.resolution = 64,
-                                                  .sun = Sun{glm::normalize(to_sun), irradiance},
-                                                  .shadow_resolution = 1024,
-                                                  .wide_range = wide_range});
+            const Voxelized voxelized =
+                voxelize(device(), scene,
+                         {.resolution = 64,
+                          .sun = Sun{glm::normalize(to_sun), irradiance},
+                          .shadow_resolution = 1024,
+                          .range = wide_range ? voxels::Range::fixed : voxels::Range::ldr});
             const Lit lit = measure(device(), voxelized, [](glm::dvec3) { return true; });
             const double expected =
                 double(albedo.g) * double(irradiance.g) * glm::pi<double>() * radius * radius;
@@ -157,9 +158,9 @@ TEST_P(VoxelLightTest, RoomReceivesAllThatItsLightsSend) {
     for (const auto& lights : {one, spot, unequal, both}) {
         double power = 0;
         for (const scene::Light& light : lights) power += power_of(light);
-        const Voxelized voxelized =
-            voxelize(device(), scene,
-                     {.resolution = 64, .lights = lights, .shadow_resolution = 512, .wide_range = true});
+        const Voxelized voxelized = voxelize(
+            device(), scene,
+            {.resolution = 64, .lights = lights, .shadow_resolution = 512, .range = voxels::Range::fixed});
         const Lit lit = measure(device(), voxelized, [](glm::dvec3) { return true; });
         EXPECT_NEAR(lit.flux, double(albedo.g) * power, 0.03 * double(albedo.g) * power);
     }
@@ -172,7 +173,8 @@ TEST_P(VoxelLightTest, FloorUnderAPointLight) {
     const scene::Light light{
         .kind = scene::LightKind::point, .intensity = glm::vec3(3), .position = {0, 1, 0}};
     const Voxelized voxelized = voxelize(
-        device(), scene, {.resolution = 64, .lights = {light}, .shadow_resolution = 512, .wide_range = true});
+        device(), scene,
+        {.resolution = 64, .lights = {light}, .shadow_resolution = 512, .range = voxels::Range::fixed});
     for (const double radius : {0.0, 0.5, 1.0, 1.5}) {
         double expected = 0;
         int count = 0;
@@ -281,7 +283,7 @@ void expect_mips(rhi::Device& device, const scene::Scene& scene, const MipCase& 
         voxelize(device, scene,
                  {.resolution = 32,
                   .sun = Sun{-glm::normalize(scene.lights[0].direction), scene.lights[0].intensity},
-                  .wide_range = c.wide_range,
+                  .range = c.wide_range ? voxels::Range::fixed : voxels::Range::ldr,
                   .mips = c.kind});
     const voxels::LightVolume& light = voxelized.volume.radiance();
     const bool isotropic = c.kind == voxels::MipKind::isotropic;

@@ -62,11 +62,12 @@ TEST_F(VoxelParityTest, UntexturedScenesAreEqualToTheBit) {
         const scene::Scene scene =
             name == "turned" ? turned_scene() : without_textures(value_of(scene::make_builtin(name)));
         for (const voxels::MipKind mips : {voxels::MipKind::isotropic, voxels::MipKind::anisotropic}) {
-            const VoxelOptions options{.resolution = 64,
-                                       .sun = sun_of(scene),
-                                       .normals = true,
-                                       .wide_range = highest_emission(scene) > 0,
-                                       .mips = mips};
+            const VoxelOptions options{
+                .resolution = 64,
+                .sun = sun_of(scene),
+                .normals = true,
+                .range = highest_emission(scene) > 0 ? voxels::Range::fixed : voxels::Range::ldr,
+                .mips = mips};
             const Voxelized a = voxelize(gl(), scene, options), b = voxelize(vulkan(), scene, options);
             compare_mips(a.volume.albedo(), b.volume.albedo(), expect_equal_bits);
             compare_mips(a.volume.area(), b.volume.area(), expect_equal_bits);
@@ -93,7 +94,7 @@ TEST_F(VoxelParityTest, LightOfSeveralLightsIsEqualToTheBit) {
                     .intensity = {9, 0.5f, 4},
                     .position = {-1, 2, 1},
                     .direction = glm::normalize(glm::vec3(0.4f, -1, -0.5f))}},
-        .wide_range = true};
+        .range = voxels::Range::fixed};
     const Voxelized a = voxelize(gl(), scene, options), b = voxelize(vulkan(), scene, options);
     compare_mips(a.volume.direct_flux(), b.volume.direct_flux(), expect_equal_bits);
     compare_volumes(a.volume.radiance(), b.volume.radiance(), expect_equal_bits);

@@ -10,7 +10,7 @@ namespace lumo::testing_support {
 
 using VoxelizeParam = std::tuple<rhi::Api, voxels::VoxelizerKind>;
 
-class VoxelizeTest : public testing::TestWithParam<VoxelizeParam> {
+class VoxelizerTest : public testing::TestWithParam<VoxelizeParam> {
   protected:
     void SetUp() override {
         auto opened = open_device(std::get<0>(GetParam()));

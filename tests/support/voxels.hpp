@@ -12,7 +12,7 @@
 #include "scene/builtin/geometry.hpp"
 #include "scene/gpu_scene.hpp"
 #include "techniques/shadow/shadow.hpp"
-#include "techniques/voxels/voxels.hpp"
+#include "techniques/voxels/octree_statistics.hpp"
 #include "tests/support/rendering.hpp"
 #include "tests/support/voxelizer.hpp"
 
@@ -119,9 +119,10 @@ struct VoxelOptions {
     std::vector<scene::Light> lights = {};  ///< beside the sun
     uint32_t shadow_resolution = 512;
     bool normals = false;
-    bool wide_range = false;
+    voxels::Range range = voxels::Range::ldr;
     voxels::MipKind mips = voxels::MipKind::anisotropic;
     voxels::VoxelizerKind voxelizer = voxels::VoxelizerKind::compute;
+    voxels::Storage storage = voxels::Storage::dense;
 };
 
 /// The volume of a scene, ready to read.
@@ -149,18 +150,23 @@ inline Voxelized voxelize(rhi::Device& device, const scene::Scene& scene, const 
                         .lights = !lights.empty(),
                         .several_lights = options.sun ? lights.size() > 1 : !lights.empty(),
                         .normals = options.normals,
-                        .wide_range = options.wide_range,
                         .triangles = voxels::count_triangles(geometry),
                         .draws = uint32_t(geometry.draws.size())};
     for (const scene::Material& material : scene.materials) {
         needs.alpha_mask |= material.alpha_mode == scene::AlphaMode::mask;
         needs.translucent |= material.alpha_mode == scene::AlphaMode::blend;
     }
-    Voxelized result{
-        .volume = value_of(voxels::Volume::create(
-            device, {.resolution = options.resolution, .mips = options.mips, .voxelizer = options.voxelizer},
-            needs)),
-        .grid = voxels::fit_grid(geometry.bounds, options.resolution)};
+    if (options.storage == voxels::Storage::octree)
+        needs.octree =
+            value_of(voxels::count_octree(device, geometry, options.resolution, options.voxelizer));
+    Voxelized result{.volume = value_of(voxels::Volume::create(device,
+                                                               {.resolution = options.resolution,
+                                                                .mips = options.mips,
+                                                                .voxelizer = options.voxelizer,
+                                                                .storage = options.storage,
+                                                                .range = options.range},
+                                                               needs)),
+                     .grid = voxels::fit_grid(geometry.bounds, options.resolution)};
     uint32_t cameras = 0;
     for (const scene::Light& light : lights) cameras += shadow::camera_count(light);
     auto shadow =

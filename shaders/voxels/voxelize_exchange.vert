@@ -1,0 +1,1 @@
+#include "voxels/raster_vertex.glsl"

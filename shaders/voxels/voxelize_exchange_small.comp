@@ -1,0 +1,10 @@
+#define EMISSION_TEXTURE 5
+#define SUMS 6
+#define LARGE_ARGUMENTS 7
+#define LARGE_LIST 8
+#define OCTREE_NODES 9
+#define OCTREE_RECORDS 10
+#define EXCHANGED 11
+#define FLOATS 12
+#define DROPPED 13
+#include "voxels/small_triangles.glsl"

@@ -1,0 +1,186 @@
+#include "techniques/voxels/sums.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+
+namespace lumo::voxels {
+namespace {
+
+using rhi::Dimension;
+using rhi::Format;
+
+/// sum_words of shaders/voxels/accumulator.glsl, of surfaces or of emission.
+uint32_t sum_words(const SumsSettings& settings, bool emission) {
+    const uint32_t value = !is_order_free(settings.range)               ? 0
+                           : settings.range == Range::fixed && emission ? 6
+                                                                        : 3;
+    return 1 + value + (settings.normals ? 3 : 0) + (settings.translucent ? 1 : 0);
+}
+
+rhi::View<Dimension::d3> view(const rhi::Texture& texture) { return texture.mip<Dimension::d3>(0); }
+
+constexpr const char* pass_names[2][2] = {{"voxels.clear", "voxels.voxelize"},
+                                          {"voxels.clear_emission", "voxels.voxelize_emission"}};
+
+}  // namespace
+
+AddedSums::Raster::Bindings AddedSums::raster(const DrawSources& draw) const {
+    return {.vertices = draw.vertices,
+            .indices = draw.indices,
+            .instances = draw.instances,
+            .material = draw.material,
+            .base_color_texture = draw.base_color_texture,
+            .emission_texture = draw.emission_texture,
+            .sums = sums,
+            .octree_nodes = lookup.octree_nodes,
+            .records = lookup.records};
+}
+
+template <class P>
+typename P::Bindings AddedSums::compute(const DrawSources& draw, const LargeTriangles& large) const {
+    return {.vertices = draw.vertices,
+            .indices = draw.indices,
+            .instances = draw.instances,
+            .material = draw.material,
+            .base_color_texture = draw.base_color_texture,
+            .emission_texture = draw.emission_texture,
+            .sums = sums,
+            .large_arguments = large.arguments,
+            .large_list = large.list,
+            .octree_nodes = lookup.octree_nodes,
+            .records = lookup.records};
+}
+
+ExchangedSums::Raster::Bindings ExchangedSums::raster(const DrawSources& draw) const {
+    return {.vertices = draw.vertices,
+            .indices = draw.indices,
+            .instances = draw.instances,
+            .material = draw.material,
+            .base_color_texture = draw.base_color_texture,
+            .emission_texture = draw.emission_texture,
+            .sums = sums,
+            .octree_nodes = lookup.octree_nodes,
+            .records = lookup.records,
+            .exchanged = exchanged,
+            .floats = floats,
+            .dropped = dropped};
+}
+
+template <class P>
+typename P::Bindings ExchangedSums::compute(const DrawSources& draw, const LargeTriangles& large) const {
+    return {.vertices = draw.vertices,
+            .indices = draw.indices,
+            .instances = draw.instances,
+            .material = draw.material,
+            .base_color_texture = draw.base_color_texture,
+            .emission_texture = draw.emission_texture,
+            .sums = sums,
+            .large_arguments = large.arguments,
+            .large_list = large.list,
+            .octree_nodes = lookup.octree_nodes,
+            .records = lookup.records,
+            .exchanged = exchanged,
+            .floats = floats,
+            .dropped = dropped};
+}
+
+Result<Sums> Sums::create(rhi::Device& device, const SumsSettings& settings, const VoxelizerNeeds& needs,
+                          rhi::Extent cells) {
+    Sums sums;
+    sums.settings_ = settings;
+    return sums.create_textures(device, cells)
+        .and_then([&] { return sums.create_voxelizers(device, needs); })
+        .map([&] { return std::move(sums); });
+}
+
+Result<void> Sums::create_textures(rhi::Device& device, rhi::Extent cells) {
+    const uint32_t words =
+        std::max(sum_words(settings_, false), settings_.emission ? sum_words(settings_, true) : 0);
+    const uint32_t widest_volume = settings_.range == Range::mutex ? std::max(words, 4u) : words;
+    const uint32_t widest = device.info().limits.max_texture_side_3d;
+    if (cells.width * widest_volume > widest) {
+        return fail(ErrorKind::limit, "--voxels",
+                    fmt::format("{} voxels a side need a volume {} texels wide, and this device's end at {}",
+                                cells.width, cells.width * widest_volume, widest),
+                    fmt::format("use at most {}, or --storage svo", widest / widest_volume));
+    }
+    const auto texture = [&](const char* name, Format format, rhi::Extent extent, rhi::Texture& place) {
+        return device
+            .create_texture({.name = name,
+                             .dimension = Dimension::d3,
+                             .format = format,
+                             .extent = extent,
+                             .usage = rhi::TextureUsage::storage})
+            .map([&](rhi::Texture made) { place = std::move(made); });
+    };
+    const bool exchanges = !is_order_free(settings_.range);
+    return texture("voxels.sums", Format::r32_uint, {cells.width * words, cells.height, cells.depth}, sums_)
+        .and_then([&] {
+            return texture("voxels.exchanged", Format::r32_uint, exchanges ? cells : rhi::Extent{},
+                           exchanged_);
+        })
+        .and_then([&] {
+            return texture("voxels.floats", Format::r32_uint,
+                           settings_.range == Range::mutex
+                               ? rhi::Extent{cells.width * 4, cells.height, cells.depth}
+                               : rhi::Extent{},
+                           floats_);
+        })
+        .and_then([&] { return device.create_buffer({.name = "voxels.dropped", .size = 4}); })
+        .map([&](rhi::Buffer made) { dropped_ = std::move(made); });
+}
+
+Result<void> Sums::create_voxelizers(rhi::Device& device, const VoxelizerNeeds& needs) {
+    Result<void> made;
+    for (const bool emission : {false, true}) {
+        if (!made || (emission && !settings_.emission)) continue;
+        const auto options = [&]<rhi::Program P>(bool alpha_test) {
+            return typename P::Options{.alpha_test = alpha_test,
+                                       .emission = emission,
+                                       .translucent = settings_.translucent,
+                                       .normals = settings_.normals,
+                                       .range = int32_t(settings_.range),
+                                       .octree_levels = settings_.octree_levels};
+        };
+        const auto create = [&]<class Destination>(std::optional<Voxelizer<Destination>>& place) {
+            return Voxelizer<Destination>::create(device, settings_.voxelizer, needs, options)
+                .map([&](Voxelizer<Destination> voxelizer) { place = std::move(voxelizer); });
+        };
+        made = is_order_free(settings_.range) ? create(added_[emission]) : create(exchanged_by_[emission]);
+    }
+    return made;
+}
+
+template <class Wanted>
+void Sums::add(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
+               const CellLookup& lookup, bool emission, float scale, const Wanted& wanted) {
+    const auto [clear_name, name] = pass_names[emission];
+    {
+        rhi::Pass pass = commands.pass(clear_name);
+        pass.clear(sums_.view(), std::array<uint32_t, 4>{});
+        if (!is_order_free(settings_.range)) pass.clear(exchanged_.view(), std::array<uint32_t, 4>{});
+        if (settings_.range == Range::mutex) pass.clear(floats_.view(), std::array<uint32_t, 4>{});
+        if (!emission) pass.fill(dropped());
+    }
+    if (added_[emission]) {
+        added_[emission]->record(commands, name, geometry, grid, {view(sums_), lookup}, scale, wanted);
+    } else {
+        exchanged_by_[emission]->record(commands, name, geometry, grid,
+                                        {view(sums_), view(exchanged_), view(floats_), dropped(), lookup},
+                                        scale, wanted);
+    }
+}
+
+void Sums::add_surfaces(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
+                        const CellLookup& lookup) {
+    add(commands, geometry, grid, lookup, false, 0, [](const scene::DrawView&) { return true; });
+}
+
+void Sums::add_emission(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
+                        const CellLookup& lookup, float scale) {
+    add(commands, geometry, grid, lookup, true, scale,
+        [](const scene::DrawView& draw) { return draw.emits; });
+}
+
+}  // namespace lumo::voxels
