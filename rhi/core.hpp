@@ -196,7 +196,7 @@ class DeviceCore {
     uint64_t submitted_ = 0;
     uint64_t open_serial_ = 0;     ///< 0 while nothing is recorded
     bool presented_ = false;       ///< in the open submission
-    std::set<MemoryId> borrowed_;  ///< the host's that the open submission used
+    std::set<MemoryId> borrowed_;  ///< all mips of the host's textures that the open submission used
     bool idle_ = false;            ///< the open submission was refused: nothing of it runs
     std::optional<Error> lost_;
     uint64_t last_pass_ = 0;

@@ -2,8 +2,8 @@
 // Devices that can take them are made by backends/vulkan/adopt.hpp and backends/gl/adopt.hpp; on any other
 // device these calls are errors.
 //
-// A host's texture belongs to the host between lumo's submissions. A submission that uses it finds it in
-// `layout_before` and leaves it in `layout_after`, with all that either side wrote visible to the other, on
+// A host's texture belongs to the host between lumo's submissions. A submission that uses it finds it, with all its
+// mips and layers, in `layout_before` and leaves it so in `layout_after`, with all that either side wrote visible to the other, on
 // the one queue or context that both submit to: there no NativeSync is needed. Where several submissions use
 // it while the host does not, the two layouts are to be equal.
 #pragma once

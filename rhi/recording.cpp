@@ -117,7 +117,8 @@ void DeviceCore::keep_trace(std::span<const Scope> scopes, std::span<const std::
 std::span<const Barrier> DeviceCore::enter(OpenPass& pass, std::string_view what, std::span<const Use> uses,
                                            bool unordered) {
     for (const Use& use : uses)
-        if (resources_.is_adopted(use.memory)) borrowed_.insert(use.memory);
+        for (uint32_t mip = 0; mip < resources_.adopted_mips(use.memory); ++mip)
+            borrowed_.insert({use.memory.kind, use.memory.index, mip});
     barriers_.clear();
     tracker_.enter(uses, unordered, barriers_);
     if (tracing_) {

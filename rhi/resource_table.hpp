@@ -91,8 +91,11 @@ class ResourceTable {
     SamplerRecord* find(SamplerHandle handle) { return samplers_.find(handle); }
     PipelineRecord* find(PipelineHandle handle) { return pipelines_.find(handle); }
     std::string name_of(const MemoryId& memory) const;
-    bool is_adopted(const MemoryId& memory) const {
-        return memory.kind == MemoryId::Kind::texture && textures_.at(memory.index).adopted;
+    /// Of a host's texture; of all else 0.
+    uint32_t adopted_mips(const MemoryId& memory) const {
+        if (memory.kind != MemoryId::Kind::texture) return 0;
+        const TextureRecord& texture = textures_.at(memory.index);
+        return texture.adopted ? texture.desc.mips : 0;
     }
 
     /// The handle is stale from now on; the resource goes once the device has finished submission `serial`.

@@ -189,7 +189,7 @@ class Commands {
     void present(const Texture& texture, bool vsync = true);
 
     /// The submission's work starts when `sync` is signalled; before its first pass. On the adopted device of a
-    /// host alone (rhi/native.hpp).
+    /// host alone (rhi/native.hpp). A submission that fails waits for nothing and signals nothing.
     void wait(const NativeSync& sync);
     /// Signals a semaphore when the submission's work is done. Not on OpenGL, where a fence is made by the call
     /// that signals it: there the host puts its own behind Device::submit.

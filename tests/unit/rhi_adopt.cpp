@@ -56,13 +56,42 @@ TEST_F(Adopt, ATextureComesFromTheHostAndGoesBackWithEverySubmission) {
     }
 }
 
-TEST_F(Adopt, OnlyWhatASubmissionUsedGoesBack) {
+TEST_F(Adopt, ATextureGoesBackWholeAndOnlyWhereItWasUsed) {
     const Texture used = host_texture(3), unused = host_texture();
     read(used, 1);
-    ASSERT_THAT(state.handed_back, SizeIs(1));
-    EXPECT_EQ(state.handed_back[0].memory, (MemoryId{MemoryId::Kind::texture, used.handle().index, 1}));
+    ASSERT_THAT(state.handed_back, SizeIs(3)) << "a mip that was not used changes its layout as well";
+    for (uint32_t mip = 0; mip < 3; ++mip) {
+        const Barrier& barrier = state.handed_back[mip];
+        EXPECT_EQ(barrier.memory, (MemoryId{MemoryId::Kind::texture, used.handle().index, mip}));
+        EXPECT_EQ(barrier.before_layout, mip == 1 ? Layout::copy_source : Layout::external);
+        EXPECT_EQ(barrier.after_layout, Layout::external);
+    }
     device->submit(device->begin());
     EXPECT_THAT(state.handed_back, IsEmpty());
+}
+
+TEST(AdoptPlan, EveryBarrierOfAHostsTextureIsNeeded) {
+    const MemoryId host{MemoryId::Kind::texture, 0, 0}, own{MemoryId::Kind::texture, 1, 0};
+    const Use external{.memory = host, .access = Access::external, .layout = Layout::external};
+    const Use sampled{.memory = host,
+                      .access = Access::sampled_read,
+                      .stages = Stages::compute,
+                      .layout = Layout::read_only};
+    const Use drawn{.memory = host, .access = Access::color_attachment, .layout = Layout::color_attachment};
+    const Use other{
+        .memory = own, .access = Access::storage_write, .stages = Stages::compute, .layout = Layout::general};
+    const std::vector<Scope> scopes{{"host", {external}}, {"sample", {sampled, other}}, {"host", {external}},
+                                    {"draw", {drawn}},    {"sample again", {sampled}},  {"host", {external}}};
+    const auto plan = plan_barriers(scopes);
+    EXPECT_THAT(find_hazards(scopes, plan), IsEmpty());
+    size_t removed = 0;
+    for (size_t scope = 0; scope < plan.size(); ++scope) {
+        auto less = plan;
+        std::erase_if(less[scope], [&](const Barrier& barrier) { return barrier.memory == host; });
+        removed += plan[scope].size() - less[scope].size();
+        EXPECT_FALSE(find_hazards(scopes, less).empty()) << scope;
+    }
+    EXPECT_EQ(removed, scopes.size());
 }
 
 TEST_F(Adopt, ATextureOfLumosOwnNeverGoesBack) {
