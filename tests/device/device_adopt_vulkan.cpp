@@ -367,6 +367,53 @@ TEST_F(AdoptVulkan, ImagesAreDrawnIntoWithWhatTheyHold) {
     EXPECT_EQ(texels.back(), glm::vec4(0, 0, 1, 1)) << "what the host drew";
 }
 
+TEST_F(AdoptVulkan, AllMipsAreLeftInTheLayoutAfterOneIsUsed) {
+    OPEN_HOST();
+    const VkImage image =
+        host->image(VK_FORMAT_R32G32B32A32_SFLOAT, side,
+                    VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, full_mips({side, side}));
+    const Texture target =
+        must(device->adopt_texture({.name = "pyramid",
+                                    .format = Format::rgba32_float,
+                                    .extent = {side, side},
+                                    .mips = full_mips({side, side}),
+                                    .usage = TextureUsage::storage},
+                                   {.object = uint64_t(image),
+                                    .layout_before = VK_IMAGE_LAYOUT_GENERAL,
+                                    .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}));
+    const auto store = must(device->create_compute_pipeline<store_d2>());
+    VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+    for (uint32_t mip : {1u, 0u}) {
+        host->submit(
+            [&](VkCommandBuffer commands) { transition(commands, image, layout, VK_IMAGE_LAYOUT_GENERAL); });
+        Commands commands = device->begin();
+        commands.pass("store").dispatch(store, {.target = target.mip<Dimension::d2>(mip)},
+                                        {.size = {side >> mip, side >> mip, 1}, .base = 7}, {4, 4, 1});
+        device->submit(std::move(commands));
+        layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    }
+    EXPECT_EQ(values_of<glm::vec4>(host->download(image, layout, side, 16))[17].r, 24);
+}
+
+TEST_F(AdoptVulkan, AHostMakesItsImagesAnewWhileTheDeviceGoesOn) {
+    OPEN_HOST();
+    constexpr auto layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    const auto store = must(device->create_compute_pipeline<store_d2>());
+    for (int i = 0; i < 4; ++i) {
+        const VkImage image = host->image(VK_FORMAT_R32G32B32A32_SFLOAT, side,
+                                          VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+        {
+            const Texture target = adopted(image, VK_IMAGE_LAYOUT_UNDEFINED, layout, TextureUsage::storage);
+            Commands commands = device->begin();
+            commands.pass("store").dispatch(store, {.target = target.mip<Dimension::d2>(0)},
+                                            {.size = {side, side, 1}, .base = float(i)}, {4, 4, 1});
+            must(device->wait(device->submit(std::move(commands))));
+        }
+        EXPECT_EQ(values_of<glm::vec4>(host->download(image, layout, side, 16))[1].r, float(i + 1));
+        host->destroy(image);
+    }
+}
+
 TEST_F(AdoptVulkan, ALayoutThatTheImageIsNotInIsNoticed) {
     OPEN_HOST();
     const VkImage image = host->image(

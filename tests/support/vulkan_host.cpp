@@ -27,7 +27,7 @@ F function(VkInstance instance, const char* name) {
     return reinterpret_cast<F>(vkGetInstanceProcAddr(instance, name));
 }
 
-constexpr VkImageSubresourceRange whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+constexpr VkImageSubresourceRange whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, VK_REMAINING_MIP_LEVELS, 0, 1};
 
 }  // namespace
 
@@ -159,12 +159,12 @@ uint32_t VulkanHost::memory_type(uint32_t allowed, VkMemoryPropertyFlags wanted)
     throw std::runtime_error("no memory of the wanted type");
 }
 
-VkImage VulkanHost::image(VkFormat format, uint32_t side, VkImageUsageFlags usage) {
+VkImage VulkanHost::image(VkFormat format, uint32_t side, VkImageUsageFlags usage, uint32_t mips) {
     const VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                  .imageType = VK_IMAGE_TYPE_2D,
                                  .format = format,
                                  .extent = {side, side, 1},
-                                 .mipLevels = 1,
+                                 .mipLevels = mips,
                                  .arrayLayers = 1,
                                  .samples = VK_SAMPLE_COUNT_1_BIT,
                                  .usage = usage};
@@ -179,6 +179,11 @@ VkImage VulkanHost::image(VkFormat format, uint32_t side, VkImageUsageFlags usag
                  "vkAllocateMemory");
     must_succeed(vkBindImageMemory(device_, image, memories_.back(), 0), "vkBindImageMemory");
     return image;
+}
+
+void VulkanHost::destroy(VkImage image) {
+    std::erase(images_, image);
+    vkDestroyImage(device_, image, nullptr);
 }
 
 VkSemaphore VulkanHost::semaphore(bool timeline) {

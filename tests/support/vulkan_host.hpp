@@ -47,8 +47,9 @@ class VulkanHost {
     /// Warnings and errors of the layers; those of the host's own end come last.
     std::shared_ptr<std::vector<std::string>> messages() const { return messages_; }
 
-    /// A 2D colour image of one mip, in no layout.
-    VkImage image(VkFormat format, uint32_t side, VkImageUsageFlags usage);
+    /// A 2D colour image, in no layout; destroyed with the host or before.
+    VkImage image(VkFormat format, uint32_t side, VkImageUsageFlags usage, uint32_t mips = 1);
+    void destroy(VkImage image);
     VkSemaphore semaphore(bool timeline);
     /// Records and submits; waits for `wait` (a binary semaphore) before, signals `signal` after.
     void submit(const std::function<void(VkCommandBuffer)>& record, VkSemaphore wait = VK_NULL_HANDLE,
