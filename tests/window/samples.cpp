@@ -133,6 +133,33 @@ TEST_P(SampleTest, TriangleNeedsADisplay) {
     EXPECT_EQ(Process({LUMO_TRIANGLE, "--api", GetParam(), "--frames", "1"}).exit_code(), 1);
 }
 
+/// The host's context is GLX's or EGL's; the screen shows what it draws with lumo's light.
+TEST(EmbedGlTest, DrawsInAWindowOfGlxAndOfEgl) {
+    const auto server = XServer::start();
+    if (!server) GTEST_SKIP() << "no X server: install xvfb";
+    for (const bool egl : {false, true}) {
+        SCOPED_TRACE(egl ? "EGL" : "GLX");
+        std::vector<std::string> arguments{LUMO_EMBED_GL, "--check-state", "--width",
+                                           "160",         "--height",      "90"};
+        if (egl) arguments.emplace_back("--egl");
+        Process host(arguments);
+        const XWindow window = server->find("embed-gl");
+        ASSERT_NE(window, 0u);
+        const auto lit = [&] {
+            for (int i = 0; i < 500; ++i) {
+                const auto shot = server->screenshot(window);
+                // The wall that faces away from the sun.
+                if (shot && shot->width == 160 && (shot->at(16, 45) & 0xff) > 40) return true;
+                std::this_thread::sleep_for(10ms);
+            }
+            return false;
+        };
+        EXPECT_TRUE(lit());
+        server->close(window);
+        EXPECT_EQ(host.exit_code(), 0);
+    }
+}
+
 TEST_P(SampleTest, ComputeSquaresNumbers) {
     const auto output = file(".compute.txt");
     EXPECT_EQ(Process({"/bin/sh", "-c",
