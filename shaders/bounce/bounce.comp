@@ -29,7 +29,7 @@ shared uint places[block_size];
 // The voxel that a cell belongs to.
 ivec3 voxel_of(ivec3 cell) {
     if (octree_levels == 0) return cell;
-    uint voxel = voxels.data[cell.x | cell.y << 8 | cell.z << 16];
+    uint voxel = voxels.data[place_of_cell(cell)];
     return ivec3(uvec3(voxel, voxel >> 10, voxel >> 20) & 1023u);
 }
 

@@ -44,6 +44,10 @@ ivec3 brick_texel(int slot, int level) {
     return ivec3(slot & mask, slot >> shift & mask, slot >> 2 * shift) * brick_side;
 }
 
+// Occupied voxels are listed in volumes of 128 x 128 x n cells.
+ivec3 cell_of_place(uint place) { return ivec3(uvec3(place, place >> 7, place >> 14) & uvec3(127u, 127u, ~0u)); }
+uint place_of_cell(ivec3 cell) { return uint(cell.x | cell.y << 7 | cell.z << 14); }
+
 // Where level 0's pool has a voxel; negative where no node has it.
 ivec3 voxel_texel(usampler3D nodes, ivec3 voxel) {
     int slot = node_slot(nodes, voxel >> 2, 0);

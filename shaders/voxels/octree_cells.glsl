@@ -1,5 +1,5 @@
 // Where a voxel's surfaces are kept. In a dense volume a voxel is its own cell. In an octree there is a list of the
-// occupied voxels, in volumes of 256 x 256 x n cells. The includer defines OCTREE_NODES and OCTREE_RECORDS, bindings.
+// occupied voxels, in the cells of octree.glsl. The includer defines OCTREE_NODES and OCTREE_RECORDS, bindings.
 #include "voxels/octree.glsl"
 
 // A node of level 0.
@@ -11,8 +11,6 @@ struct NodeRecord {
 
 layout(binding = OCTREE_NODES) uniform usampler3D octree_nodes;
 layout(binding = OCTREE_RECORDS, std430) readonly buffer Records { NodeRecord data[]; } records;
-
-ivec3 cell_of_place(uint place) { return ivec3(uvec3(place, place >> 8, place >> 16) & uvec3(255u, 255u, ~0u)); }
 
 // The octree's cell of a voxel; negative where the voxel is empty. The voxel lies inside the grid.
 ivec3 listed_cell(ivec3 voxel) {

@@ -11,8 +11,8 @@ using rhi::Format;
 
 /// brick_side of shaders/voxels/octree.glsl.
 constexpr uint32_t brick_side = 5;
-/// Cells of the list lie in squares of this side.
-constexpr uint32_t cells_a_row = 256;
+/// Cells of the list lie in squares of this side: many texels a cell still fit into a row.
+constexpr uint32_t cells_a_row = 128;
 
 Format light_format(const OctreeSettings& settings) {
     return settings.wide_range ? Format::rgba16_float : Format::rgba8_unorm;
