@@ -1,4 +1,5 @@
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -6,11 +7,13 @@
 #include <iterator>
 #include <optional>
 #include <string>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <thread>
 #include <unistd.h>
 
 #include "rhi/disk_cache.hpp"
+#include "tests/support/full_disk.hpp"
 
 namespace lumo::rhi {
 namespace {
@@ -242,6 +245,46 @@ TEST_F(DiskCacheTest, IsNoFailureWhereItCannotWrite) {
     if (::geteuid() == 0) return;  // whom permissions do not stop
     fs::permissions(root, fs::perms::owner_read | fs::perms::owner_exec);
     EXPECT_FALSE(DiskCache(folder).put(key_of("a"), bytes_of("text")));
+}
+
+TEST_F(DiskCacheTest, AFullDiskKeepsWhatIsThereAndTakesMoreWhenThereIsRoom) {
+    const auto disk = testing_support::FullDisk::mount();
+    if (!disk) GTEST_SKIP() << "this user may not mount a small disk";
+    const DiskCache cache(disk->folder() / "cache");
+    const std::vector<std::byte> page(10'000, std::byte(7));
+    ASSERT_TRUE(cache.put(key_of("a"), page));
+    disk->fill();
+    const auto put = cache.put(key_of("b"), page);
+    ASSERT_FALSE(put);
+    EXPECT_EQ(put.error().kind, ErrorKind::io);
+    EXPECT_NE(put.error().message.find("No space left"), std::string::npos) << put.error().message;
+    EXPECT_FALSE(cache.put(key_of("a"), std::vector<std::byte>(20'000)));
+    EXPECT_EQ(cache.get(key_of("a")), page) << "replaced as a whole or not at all";
+    EXPECT_FALSE(cache.get(key_of("b")));
+    EXPECT_EQ(std::distance(fs::directory_iterator(cache.folder()), {}), 1) << "nothing unfinished stays";
+    EXPECT_FALSE(DiskCache(disk->folder() / "new").put(key_of("a"), page)) << "not even a folder fits";
+    disk->empty();
+    ASSERT_TRUE(cache.put(key_of("b"), page));
+    EXPECT_EQ(cache.get(key_of("b")), page);
+}
+
+/// Where a file ends early for another reason than a full disk.
+TEST_F(DiskCacheTest, AFileThatMayNotGrowLeavesNothing) {
+    const DiskCache cache(folder);
+    ASSERT_TRUE(cache.put(key_of("a"), bytes_of("small")));
+    rlimit old{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old), 0);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limited{1000, old.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limited), 0);
+    const auto put = cache.put(key_of("b"), std::vector<std::byte>(5000));
+    ::setrlimit(RLIMIT_FSIZE, &old);
+    std::signal(SIGXFSZ, handler);
+    ASSERT_FALSE(put);
+    EXPECT_EQ(put.error().kind, ErrorKind::io);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+    EXPECT_FALSE(cache.get(key_of("b")));
+    EXPECT_TRUE(cache.put(key_of("b"), std::vector<std::byte>(5000)));
 }
 
 TEST_F(DiskCacheTest, ManyWritersLeaveWholeEntries) {
