@@ -344,6 +344,10 @@ SettingOptions add_render(CLI::App& app, Options& options, std::filesystem::path
     add_file(app, "--stats", options.stats,
              "writes device, settings, times, memory and what was left out as JSON; with --api both "
              "NAME.gl.EXT and NAME.vulkan.EXT");
+    add_file(
+        app, "--capture", options.capture,
+        "what the device is given for the first frame, as a .rdc file for RenderDoc, under which lumo has to "
+        "run: renderdoccmd capture -w lumo render ...");
     add_flag(app, "--explain", options.explain, "prints what the frame needs and leaves out, and why");
     add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
     add_flag(app, "--validation", options.validation,

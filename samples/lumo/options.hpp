@@ -63,7 +63,8 @@ struct Options {
     bool validation = false;
 
     std::filesystem::path output = {};
-    std::filesystem::path stats = {};  ///< none if empty
+    std::filesystem::path stats = {};    ///< none if empty
+    std::filesystem::path capture = {};  ///< of the first frame, for RenderDoc; none if empty
     bool explain = false;
     bool json = false;
     bool quiet = false;

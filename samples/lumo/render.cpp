@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "backends/backends.hpp"
+#include "backends/capture.hpp"
 #include "reference/metrics_report.hpp"
 #include "samples/lumo/commands.hpp"
 #include "samples/lumo/input.hpp"
@@ -136,7 +137,8 @@ class Renderer {
         for (rhi::Device& device : devices_) {
             const rhi::DeviceInfo& info = device.info();
             progress_.next(fmt::format("{} {}", to_string(info.api), number));
-            const auto rendered = frame::render(device, scene, camera, product_.settings);
+            const auto rendered =
+                capture_once([&] { return frame::render(device, scene, camera, product_.settings); });
             if (!rendered) return tl::unexpected(rendered.error());
             progress_.clear();
             if (options_.explain && !std::exchange(explained_, true))
@@ -158,6 +160,20 @@ class Renderer {
     }
 
   private:
+    /// What `render` returns; the first time, RenderDoc watches where it was asked to.
+    template <class Render>
+    auto capture_once(Render render) -> decltype(render()) {
+        if (options_.capture.empty() || std::exchange(captured_, true)) return render();
+        auto capture = backends::Capture::start();
+        if (!capture) return tl::unexpected(capture.error());
+        auto rendered = render();
+        if (!rendered) return rendered;
+        if (const Result<void> done = capture->finish(options_.capture); !done)
+            return tl::unexpected(done.error());
+        spdlog::info("{}", scene::printable(options_.capture.string()));
+        return rendered;
+    }
+
     Result<bool> agree(const Picture& gl, const Picture& vulkan, std::string_view number) {
         progress_.next("comparing");
         const std::filesystem::path file = tagged(tagged(product_.file, number), "diff");
@@ -185,6 +201,7 @@ class Renderer {
     std::vector<rhi::Device>& devices_;
     Progress& progress_;
     bool explained_ = false;
+    bool captured_ = false;
 };
 
 /// Renders one frame, whose number is empty if it is the only one; whether all that drew it agree.
@@ -255,6 +272,10 @@ Result<bool> render_reference(const Options& options, const Product& product, sc
 Result<int> render(const Options& options) {
     const auto product = product_of(options);
     if (!product) return tl::unexpected(product.error());
+
+    if (!options.capture.empty() && (options.reference || options.api == ApiChoice::both))
+        return fail(ErrorKind::invalid_argument, "--capture", "a capture is of one device",
+                    "give --api vulkan or --api gl");
 
     const int apis = options.api == ApiChoice::both ? 2 : 1;
     const int steps = options.reference ? trace_steps : apis + (apis > 1 ? 1 : 0);
