@@ -7,7 +7,7 @@ namespace {
 class CommandLine : public Program {};
 
 TEST_F(CommandLine, HelpOfEverySubcommandHasExamples) {
-    for (const std::string name : {"render", "check", "diff", "devices"}) {
+    for (const std::string name : {"render", "check", "diff", "devices", "bench"}) {
         const Outcome run = done({name, "--help"});
         EXPECT_TRUE(contains(run.out, "Examples:\n  lumo " + name)) << run.out;
         EXPECT_EQ(run.err, "");
@@ -16,7 +16,7 @@ TEST_F(CommandLine, HelpOfEverySubcommandHasExamples) {
 
 TEST_F(CommandLine, HelpListsTheSubcommands) {
     const Outcome run = done({"--help"});
-    for (const char* name : {"render", "check", "diff", "devices"}) EXPECT_TRUE(contains(run.out, name));
+    for (const char* name : {"render", "check", "diff", "devices", "bench"}) EXPECT_TRUE(contains(run.out, name));
 }
 
 TEST_F(CommandLine, NothingToDoIsAFailure) {
@@ -68,7 +68,7 @@ TEST_P(Refusal, NamesValueAndRemedyOnOneLine) {
 INSTANTIATE_TEST_SUITE_P(
     CommandLine, Refusal,
     testing::Values(
-        Refused{{"view"}, {"view", "render, check, diff, devices"}},
+        Refused{{"view"}, {"view", "render, check, diff, devices, bench"}},
         Refused{{"render", "--storage", "list"}, {"--storage", "list", "available: vt, svo"}},
         Refused{{"render", "--mips", "none"}, {"--mips", "none", "available: iso, ani"}},
         Refused{{"render", "--range", "rgbe"}, {"--range", "rgbe", "available: ldr"}},
