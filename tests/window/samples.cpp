@@ -67,6 +67,14 @@ struct SampleTest : testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Api, SampleTest, testing::Values("gl", "vulkan"),
                          [](const auto& info) { return info.param; });
 
+Picture picture_of(const scene::Image8& image) {
+    Picture picture{image.width, image.height};
+    for (size_t i = 0; i < image.values.size(); i += 4)
+        picture.pixels.push_back(uint32_t(image.values[i]) << 16 | uint32_t(image.values[i + 1]) << 8 |
+                                 image.values[i + 2]);
+    return picture;
+}
+
 /// Whether the triangle is there, in the middle and the right way up: red and green below, blue on top.
 bool shows_triangle(const Picture& shot) {
     const double side = std::min(shot.width, shot.height);
@@ -113,12 +121,8 @@ TEST_P(SampleTest, TriangleDrawsFollowsItsWindowAndSavesWhatItShows) {
     const auto saved = scene::read_image8(screenshot);
     std::filesystem::remove(screenshot);
     ASSERT_TRUE(saved) << to_string(saved.error());
-    Picture picture{saved->width, saved->height};
-    for (size_t i = 0; i < saved->values.size(); i += 4)
-        picture.pixels.push_back(uint32_t(saved->values[i]) << 16 | uint32_t(saved->values[i + 1]) << 8 |
-                                 saved->values[i + 2]);
     ASSERT_TRUE(shot);
-    EXPECT_TRUE(picture == *shot) << "the file differs from the screen";
+    EXPECT_TRUE(picture_of(*saved) == *shot) << "the file differs from the screen";
 }
 
 TEST_P(SampleTest, TriangleEndsAfterItsFrames) {
@@ -158,6 +162,32 @@ TEST(EmbedGlTest, DrawsInAWindowOfGlxAndOfEgl) {
         server->close(window);
         EXPECT_EQ(host.exit_code(), 0);
     }
+}
+
+/// The host's swapchain, between whose images lumo works on the same queue.
+TEST(EmbedVulkanTest, ShowsInItsWindowWhatItSaves) {
+    const auto server = XServer::start();
+    if (!server) GTEST_SKIP() << "no X server: install xvfb";
+    const auto file =
+        std::filesystem::path(testing::TempDir()) / (std::to_string(getpid()) + ".embed-vulkan.png");
+    Process host({LUMO_EMBED_VULKAN, "--validation", "--check", "--width", "160", "--height", "90", "-o",
+                  file.string()});
+    const XWindow window = server->find("embed-vulkan");
+    ASSERT_NE(window, 0u);
+    std::optional<Picture> shot;
+    for (int i = 0; i < 500; ++i) {
+        shot = server->screenshot(window);
+        // The wall that faces away from the sun.
+        if (shot && shot->width == 160 && (shot->at(150, 40) >> 8 & 0xff) > 30) break;
+        std::this_thread::sleep_for(10ms);
+    }
+    server->close(window);
+    EXPECT_EQ(host.exit_code(), 0);
+    const auto saved = scene::read_image8(file);
+    std::filesystem::remove(file);
+    ASSERT_TRUE(saved) << to_string(saved.error());
+    ASSERT_TRUE(shot);
+    EXPECT_TRUE(picture_of(*saved) == *shot) << "the file differs from the screen";
 }
 
 TEST_P(SampleTest, ComputeSquaresNumbers) {
