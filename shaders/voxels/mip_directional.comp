@@ -4,8 +4,6 @@
 // The six values of a voxel lie in an atlas, one cube beside the other along x: toward +x, -x, +y, -y, +z, -z.
 layout(local_size_x = 4, local_size_y = 4, local_size_z = 4) in;
 
-layout(constant_id = 0) const bool from_base = false;  // the finer level has no directions yet
-
 layout(binding = 0) uniform sampler3D finer;
 layout(binding = 1) writeonly uniform image3D coarser;
 
@@ -15,8 +13,7 @@ void main() {
 
     int side = imageSize(coarser).y;
     int direction = texel.x / side;
-    ivec3 first_child = 2 * (texel - ivec3(direction * side, 0, 0));
-    if (!from_base) first_child.x += direction * 2 * side;
+    ivec3 first_child = 2 * texel;
 
     int axis = direction >> 1;
     ivec3 deeper = ivec3(axis == 0, axis == 1, axis == 2);

@@ -45,12 +45,12 @@ Result<Mips> Mips::create(rhi::Device& device, MipKind kind) {
         made = device.create_compute_pipeline<shaders::voxels::mip>().map(keep(mips.isotropic_));
     }
     if (made && kind == MipKind::anisotropic) {
-        made = device.create_compute_pipeline<shaders::voxels::mip_directional>({.from_base = true})
-                   .map(keep(mips.first_direction_));
+        made = device.create_compute_pipeline<shaders::voxels::mip_first_directional>().map(
+            keep(mips.first_directional_));
     }
     if (made && kind == MipKind::anisotropic) {
-        made = device.create_compute_pipeline<shaders::voxels::mip_directional>({.from_base = false})
-                   .map(keep(mips.next_direction_));
+        made = device.create_compute_pipeline<shaders::voxels::mip_directional>().map(
+            keep(mips.next_directional_));
     }
     if (!made) return tl::unexpected(made.error());
     return mips;
@@ -67,13 +67,14 @@ void Mips::record(rhi::Pass& pass, const LightVolume& volume) const {
                            rhi::groups_for(extent.depth, 4)};
     };
     if (volume.directions) {
-        pass.dispatch(first_direction_,
+        const uint32_t side = target.desc().extent.height;
+        pass.dispatch(first_directional_,
                       {.finer = finer(volume.base, 0), .coarser = target.mip<Dimension::d3>(0)}, {},
-                      groups(0));
+                      {rhi::groups_for(side, 8), rhi::groups_for(side, 4), rhi::groups_for(side, 2)});
     }
     for (uint32_t level = 1; level < target.desc().mips; ++level) {
         if (volume.directions) {
-            pass.dispatch(next_direction_,
+            pass.dispatch(next_directional_,
                           {.finer = finer(target, level - 1), .coarser = target.mip<Dimension::d3>(level)},
                           {}, groups(level));
         } else {

@@ -7,6 +7,7 @@
 #include "rhi/rhi.hpp"
 #include "shaders/voxels/mip.hpp"
 #include "shaders/voxels/mip_directional.hpp"
+#include "shaders/voxels/mip_first_directional.hpp"
 
 namespace lumo::voxels {
 
@@ -44,8 +45,8 @@ class Mips {
   private:
     rhi::Sampler point_sampler_;
     rhi::ComputePipeline<shaders::voxels::mip> isotropic_;
-    rhi::ComputePipeline<shaders::voxels::mip_directional> first_direction_;
-    rhi::ComputePipeline<shaders::voxels::mip_directional> next_direction_;
+    rhi::ComputePipeline<shaders::voxels::mip_first_directional> first_directional_;
+    rhi::ComputePipeline<shaders::voxels::mip_directional> next_directional_;
 };
 
 }  // namespace lumo::voxels
