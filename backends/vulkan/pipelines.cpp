@@ -34,6 +34,12 @@ struct ShaderStages {
     std::vector<VkPipelineShaderStageCreateInfo> infos;
 };
 
+/// What is wrong with a program's code, and not with the memory for it, is an error of the shader.
+tl::unexpected<Error> refused(Error error) {
+    if (error.kind == ErrorKind::unsupported) error.kind = ErrorKind::shader;
+    return tl::unexpected(std::move(error));
+}
+
 Result<std::unique_ptr<ShaderStages>> make_stages(const Gpu& gpu, const rhi::ProgramInfo& program,
                                                   std::span<const uint32_t> options) {
     auto made = std::make_unique<ShaderStages>();
@@ -48,7 +54,7 @@ Result<std::unique_ptr<ShaderStages>> make_stages(const Gpu& gpu, const rhi::Pro
                                       .pCode = stage.spirv.data()};
         auto module = gpu.make<VkShaderModule>(gpu.vk().vkCreateShaderModule, gpu.vk().vkDestroyShaderModule,
                                                info, program.name, VK_OBJECT_TYPE_SHADER_MODULE);
-        if (!module) return tl::unexpected(module.error());
+        if (!module) return refused(module.error());
         made->infos.push_back({.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                .stage = VkShaderStageFlagBits(to_vk(stage.stage)),
                                .module = module->get(),
@@ -258,9 +264,7 @@ Result<Pipeline> create_pipeline(const Gpu& gpu, const PipelineCache& cache, con
                              : make_compute(gpu, cache.get(), made.layout.get(), **stages, &pipeline);
     made.pipeline = Unique<VkPipeline>(gpu.device(), pipeline, vk.vkDestroyPipeline);
     if (result != VK_SUCCESS) {
-        auto error = fail(result, std::string(program.name), "pipeline creation");
-        if (error.value().kind == ErrorKind::unsupported) error.value().kind = ErrorKind::shader;
-        return error;
+        return refused(fail(result, std::string(program.name), "pipeline creation").value());
     }
     gpu.set_name(VK_OBJECT_TYPE_PIPELINE, uint64_t(pipeline), program.name);
     return made;

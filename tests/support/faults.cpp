@@ -12,6 +12,12 @@ void Faults::arm(int n, std::string_view function) {
     only_ = function;
     failed_.clear();
     losing_ = false;
+    refusing_ = false;
+}
+
+void Faults::arm_refusal(std::string_view function) {
+    arm(0, function);
+    refusing_ = true;
 }
 
 void Faults::arm_loss(int n) {

@@ -22,6 +22,8 @@ class Faults {
   public:
     /// The call number `n` fails for want of memory; of those to `function` alone if it is given.
     void arm(int n, std::string_view function = {});
+    /// The next call to `function` finds fault with what it is given.
+    void arm_refusal(std::string_view function);
     /// The call number `n` of those that wait or submit finds the device lost, and so do all after it.
     void arm_loss(int n);
     /// Calls succeed again. The function that failed, or nothing where none did.
@@ -38,6 +40,7 @@ class Faults {
     bool hides_push_descriptors() const { return hidden_; }
     bool fails(std::string_view function);
     bool lost(std::string_view function);
+    bool refuses() const { return refusing_; }
     bool is_lost() const { return lost_; }
     void count(std::string_view kind, int64_t change);
 
@@ -46,6 +49,7 @@ class Faults {
     std::string only_;
     std::string failed_;
     bool losing_ = false;
+    bool refusing_ = false;
     bool lost_ = false;
     bool hidden_ = false;
     std::map<std::string, int64_t> live_;

@@ -53,7 +53,8 @@ struct Hook<name, Result (*)(Arguments...)> {
                 if (function == "vkQueueWaitIdle") (void)real(arguments...);
                 return VK_ERROR_DEVICE_LOST;
             }
-            if (faults().fails(function)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+            if (faults().fails(function))
+                return faults().refuses() ? VK_ERROR_INVALID_SHADER_NV : VK_ERROR_OUT_OF_DEVICE_MEMORY;
             const Result result = real(arguments...);
             constexpr bool counts = function.starts_with("vkCreate") || function == "vkAllocateMemory";
             constexpr bool of_device = function != "vkCreateInstance" && function != "vkCreateDevice";
