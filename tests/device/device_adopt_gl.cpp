@@ -187,6 +187,13 @@ TEST_F(AdoptGlTest, CallsWithoutTheHostsContextAreErrors) {
         const auto refused = device.create_buffer({.name = "more", .size = 64});
         ASSERT_FALSE(refused);
         EXPECT_THAT(to_string(refused.error()), HasSubstr("not current"));
+        {
+            Commands commands = device.begin();
+            commands.pass("nothing").fill(values.slice(), 1);
+        }
+        const std::vector<Message> said = take_messages();
+        ASSERT_FALSE(said.empty());
+        EXPECT_THAT(said[0].text, HasSubstr("not current"));
         host->make_current();
         must(device.download(values.slice()));
     }
