@@ -1,6 +1,7 @@
 // A scene's triangles through the rasterizer or through compute, into some destination.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -194,7 +195,8 @@ void Voxelizer<Destination>::record(rhi::Commands& commands, std::string_view pa
 
     rhi::Pass pass = commands.pass(pass_name);
     // More groups share a triangle where it may cover many columns.
-    const std::vector<LargeArguments> none_yet(draws_, {.groups_y = std::max(grid.resolution / 128, 1u)});
+    const std::vector<LargeArguments> none_yet(std::max(draws_, 1u),
+                                               {.groups_y = std::max(grid.resolution / 128, 1u)});
     pass.upload(large_arguments_.slice(), std::as_bytes(std::span(none_yet)));
     const LargeTriangles large{large_arguments_.slice(), large_list_.slice()};
     // All small ones first: a barrier in all, not one a draw.

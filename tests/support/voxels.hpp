@@ -114,6 +114,7 @@ inline scene::Scene without_textures(scene::Scene scene) {
 }
 
 struct VoxelOptions {
+    std::optional<scene::Bounds> bounds = {};  ///< of the grid in place of the scene's
     uint32_t resolution = 32;
     std::optional<Sun> sun = {};
     std::vector<scene::Light> lights = {};  ///< beside the sun
@@ -143,7 +144,8 @@ inline float highest_emission(const scene::Scene& scene) {
 
 inline Voxelized voxelize(rhi::Device& device, const scene::Scene& scene, const VoxelOptions& options) {
     const scene::GpuScene gpu = value_of(scene::GpuScene::create(device, scene, true));
-    const scene::GeometryView geometry = gpu.view();
+    scene::GeometryView geometry = gpu.view();
+    if (options.bounds) geometry.bounds = *options.bounds;
     std::vector<scene::Light> lights = options.lights;
     if (options.sun) lights.insert(lights.begin(), light_of(*options.sun));
     voxels::Needs needs{.emission = highest_emission(scene) > 0,
