@@ -145,6 +145,8 @@ class Backend {
     /// unsupported (the device is not a host's, or lacks the format, size or use).
     virtual Result<void> adopt_texture(TextureHandle handle, const TextureDesc& desc,
                                        const NativeTexture& native) = 0;
+    virtual Result<void> adopt_buffer(BufferHandle handle, const BufferDesc& desc,
+                                      const NativeBuffer& native) = 0;
     virtual Result<void> create_sampler(SamplerHandle handle, const SamplerDesc& desc) = 0;
     /// `options` are 32-bit values in the order of ProgramInfo::options. `raster` is null for compute.
     virtual Result<void> create_pipeline(PipelineHandle handle, const ProgramInfo& program,

@@ -40,6 +40,7 @@ class DeviceCore {
     Result<Texture> create_texture(const TextureDesc& desc);
     Result<Sampler> create_sampler(const SamplerDesc& desc);
     Result<Texture> adopt_texture(const TextureDesc& desc, const NativeTexture& native);
+    Result<Buffer> adopt_buffer(const BufferDesc& desc, const NativeBuffer& native);
     Result<PipelineHandle> create_pipeline(const ProgramInfo& program, std::span<const uint32_t> options,
                                            const RasterState* raster);
     /// For owners; the last one to go after the device takes the core with it.
@@ -196,7 +197,7 @@ class DeviceCore {
     uint64_t submitted_ = 0;
     uint64_t open_serial_ = 0;     ///< 0 while nothing is recorded
     bool presented_ = false;       ///< in the open submission
-    std::set<MemoryId> borrowed_;  ///< all mips of the host's textures that the open submission used
+    std::set<MemoryId> borrowed_;  ///< what the open submission used of the host's, all mips
     bool idle_ = false;            ///< the open submission was refused: nothing of it runs
     std::optional<Error> lost_;
     uint64_t last_pass_ = 0;

@@ -69,6 +69,21 @@ Result<Texture> DeviceCore::adopt_texture(const TextureDesc& desc, const NativeT
     });
 }
 
+Result<Buffer> DeviceCore::adopt_buffer(const BufferDesc& desc, const NativeBuffer& native) {
+    if (auto fine = check_desc(desc); !fine) return tl::unexpected(fine.error());
+    if (desc.memory != Memory::device)
+        return fail(ErrorKind::invalid_argument, desc.name, "a host's buffer is not mapped by lumo",
+                    "describe it as Memory::device");
+    if (native.object == 0)
+        return fail(ErrorKind::invalid_argument, desc.name, "no buffer of the host's is named");
+    return create([&] { return resources_.adopt(desc, native); }).map([&](BufferHandle handle) {
+        tracker_.forget(MemoryId::Kind::buffer, handle.index);
+        tracker_.adopt({MemoryId::Kind::buffer, handle.index});
+        ++owners_;
+        return Buffer(*this, handle, desc.size, nullptr);
+    });
+}
+
 Result<Sampler> DeviceCore::create_sampler(const SamplerDesc& desc) {
     if (auto fine = check_desc(desc); !fine) return tl::unexpected(fine.error());
     SamplerDesc possible = desc;
@@ -172,8 +187,7 @@ Submission DeviceCore::submit(uint64_t serial) {
 std::vector<Barrier> DeviceCore::hand_back() {
     if (borrowed_.empty()) return {};
     Scope scope{.label = "hand back", .uses = {}};
-    for (const MemoryId& memory : std::exchange(borrowed_, {}))
-        scope.uses.push_back({.memory = memory, .access = Access::external, .layout = Layout::external});
+    for (const MemoryId& memory : std::exchange(borrowed_, {})) scope.uses.push_back(external_use(memory));
     std::vector<Barrier> barriers = tracker_.enter(scope);
     if (tracing_) keep_trace({&scope, 1}, {&barriers, 1});
     return barriers;
@@ -259,6 +273,9 @@ Result<Texture> Device::create_texture(const TextureDesc& desc) { return core_->
 Result<Sampler> Device::create_sampler(const SamplerDesc& desc) { return core_->create_sampler(desc); }
 Result<Texture> Device::adopt_texture(const TextureDesc& desc, const NativeTexture& native) {
     return core_->adopt_texture(desc, native);
+}
+Result<Buffer> Device::adopt_buffer(const BufferDesc& desc, const NativeBuffer& native) {
+    return core_->adopt_buffer(desc, native);
 }
 Result<PipelineHandle> Device::create_pipeline(const ProgramInfo& program, std::span<const uint32_t> options,
                                                const RasterState* state) {

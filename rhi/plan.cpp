@@ -95,8 +95,16 @@ HazardTracker::Entry& HazardTracker::entry_of(const MemoryId& memory) {
     return by_mip[memory.mip];
 }
 
+Use external_use(const MemoryId& memory) {
+    const bool texture = memory.kind == MemoryId::Kind::texture;
+    return {.memory = memory,
+            .access = Access::external,
+            .layout = texture ? Layout::external : Layout::undefined};
+}
+
 void HazardTracker::adopt(const MemoryId& memory) {
-    entry_of(memory).now = {.write = Access::external, .layout = Layout::external, .run_visible = everything};
+    const Use use = external_use(memory);
+    entry_of(memory).now = {.write = use.access, .layout = use.layout, .run_visible = everything};
 }
 
 void HazardTracker::forget(MemoryId::Kind kind, uint32_t index) {

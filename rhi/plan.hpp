@@ -76,6 +76,9 @@ struct Use {
     bool operator==(const Use&) const = default;
 };
 
+/// What a host may do with its own between submissions.
+Use external_use(const MemoryId& memory);
+
 /// What happens between two sets of barriers. At most one use per memory.
 struct Scope {
     std::string label;
@@ -125,7 +128,7 @@ class HazardTracker {
     std::vector<Barrier> enter(const Scope& scope);
     /// The same for a scope of these uses, at the end of `barriers`.
     void enter(std::span<const Use> uses, bool unordered, std::vector<Barrier>& barriers);
-    /// A texture's mip is in the hands of its host.
+    /// A buffer or a texture's mip is in the hands of its host.
     void adopt(const MemoryId& memory);
     /// Forgets a destroyed resource.
     void forget(MemoryId::Kind kind, uint32_t index);

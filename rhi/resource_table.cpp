@@ -56,6 +56,13 @@ Result<TextureHandle> ResourceTable::adopt(const TextureDesc& desc, const Native
     return handle;
 }
 
+Result<BufferHandle> ResourceTable::adopt(const BufferDesc& desc, const NativeBuffer& native) {
+    const BufferHandle handle = buffers_.add(next_generation(), {.desc = desc, .adopted = true});
+    auto made = backend_.adopt_buffer(handle, desc, native);
+    if (!made) return undo(buffers_, handle, std::move(made.error()), words(desc));
+    return handle;
+}
+
 Result<SamplerHandle> ResourceTable::create(const SamplerDesc& desc) {
     const SamplerHandle handle = samplers_.add(next_generation(), {.desc = desc});
     auto made = backend_.create_sampler(handle, desc);

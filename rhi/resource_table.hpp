@@ -15,6 +15,7 @@ struct BufferRecord {
     BufferDesc desc;
     std::byte* mapped = nullptr;
     uint64_t bytes = 0;
+    bool adopted = false;   ///< a host's
     bool internal = false;  ///< the core's own: host memory that the device only reads, or only writes
 };
 struct TextureRecord {
@@ -82,6 +83,7 @@ class ResourceTable {
     Result<BufferHandle> create(const BufferDesc& desc, bool internal);
     Result<TextureHandle> create(const TextureDesc& desc);
     Result<TextureHandle> adopt(const TextureDesc& desc, const NativeTexture& native);
+    Result<BufferHandle> adopt(const BufferDesc& desc, const NativeBuffer& native);
     Result<SamplerHandle> create(const SamplerDesc& desc);
     Result<PipelineHandle> create(const ProgramInfo& program, std::span<const uint32_t> options,
                                   const RasterState* raster);
@@ -91,9 +93,9 @@ class ResourceTable {
     SamplerRecord* find(SamplerHandle handle) { return samplers_.find(handle); }
     PipelineRecord* find(PipelineHandle handle) { return pipelines_.find(handle); }
     std::string name_of(const MemoryId& memory) const;
-    /// Of a host's texture; of all else 0.
+    /// Of a host's texture, and 1 of its buffer; of all else 0.
     uint32_t adopted_mips(const MemoryId& memory) const {
-        if (memory.kind != MemoryId::Kind::texture) return 0;
+        if (memory.kind == MemoryId::Kind::buffer) return buffers_.at(memory.index).adopted ? 1 : 0;
         const TextureRecord& texture = textures_.at(memory.index);
         return texture.adopted ? texture.desc.mips : 0;
     }

@@ -220,6 +220,8 @@ class Device {
     /// A host's texture under lumo's name; it takes no memory, and its owner destroys nothing of the host's. On
     /// the adopted device of a host alone (rhi/native.hpp). Errors: invalid_argument, unsupported.
     Result<Texture> adopt_texture(const TextureDesc& desc, const NativeTexture& native);
+    /// Likewise a buffer, in Memory::device: lumo maps nothing of the host's.
+    Result<Buffer> adopt_buffer(const BufferDesc& desc, const NativeBuffer& native);
     /// Errors: shader, unsupported, out_of_memory.
     template <Program P>
     Result<ComputePipeline<P>> create_compute_pipeline(const typename P::Options& options = {}) {

@@ -134,6 +134,11 @@ class GlBackend final : public rhi::Backend {
         if (!context_->is_hosts()) return not_adopted(desc.name);
         return enter().and_then([&] { return resources_.adopt(handle, desc, native); });
     }
+    Result<void> adopt_buffer(rhi::BufferHandle handle, const rhi::BufferDesc& desc,
+                              const rhi::NativeBuffer& native) override {
+        if (!context_->is_hosts()) return not_adopted(desc.name);
+        return enter().and_then([&] { return resources_.adopt(handle, desc, native); });
+    }
     Result<void> create_sampler(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) override {
         return enter().and_then([&] { return resources_.create(handle, desc); });
     }

@@ -161,7 +161,7 @@ Result<rhi::CreatedBuffer> Resources::create(rhi::BufferHandle handle, const rhi
         return tl::unexpected(status.error());
     }
     label(GL_BUFFER, name, desc.name);
-    slot(buffers_, handle.index) = name;
+    slot(buffers_, handle.index) = {name};
     return created;
 }
 
@@ -198,6 +198,20 @@ Result<void> Resources::adopt(rhi::TextureHandle handle, const rhi::TextureDesc&
     return {};
 }
 
+Result<void> Resources::adopt(rhi::BufferHandle handle, const rhi::BufferDesc& desc,
+                              const rhi::NativeBuffer& native) {
+    const auto name = GLuint(native.object);
+    if (!glIsBuffer(name))
+        return fail(ErrorKind::invalid_argument, desc.name, fmt::format("{} is no buffer's name", name));
+    GLint64 size = 0;
+    glGetNamedBufferParameteri64v(name, GL_BUFFER_SIZE, &size);
+    if (uint64_t(size) < desc.size)
+        return fail(ErrorKind::invalid_argument, desc.name,
+                    fmt::format("the host's buffer has {} bytes, {} are described", size, desc.size));
+    slot(buffers_, handle.index) = {name, true};
+    return {};
+}
+
 Result<void> Resources::create(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) {
     static constexpr GLfloat borders[][4] = {{0, 0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1, 1}};
     const Silence silence;
@@ -221,7 +235,10 @@ Result<void> Resources::create(rhi::SamplerHandle handle, const rhi::SamplerDesc
     return {};
 }
 
-void Resources::destroy(rhi::BufferHandle handle) { glDeleteBuffers(1, &buffers_[handle.index]); }
+void Resources::destroy(rhi::BufferHandle handle) {
+    const Buffer buffer = std::exchange(buffers_[handle.index], {});
+    if (!buffer.is_hosts) glDeleteBuffers(1, &buffer.name);
+}
 
 void Resources::destroy(rhi::SamplerHandle handle) { glDeleteSamplers(1, &samplers_[handle.index]); }
 

@@ -45,6 +45,9 @@ class Resources {
     /// Errors: invalid_argument, where the texture is not as described.
     Result<void> adopt(rhi::TextureHandle handle, const rhi::TextureDesc& desc,
                        const rhi::NativeTexture& native);
+    /// The host's buffer, which is not deleted. Errors likewise.
+    Result<void> adopt(rhi::BufferHandle handle, const rhi::BufferDesc& desc,
+                       const rhi::NativeBuffer& native);
     Result<void> create(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc);
     void destroy(rhi::BufferHandle handle);
     void destroy(rhi::TextureHandle handle);
@@ -52,7 +55,7 @@ class Resources {
     /// Deletes what belongs to no handle: all others are destroyed already.
     void clear();
 
-    GLuint buffer(rhi::BufferHandle handle) const { return buffers_[handle.index]; }
+    GLuint buffer(rhi::BufferHandle handle) const { return buffers_[handle.index].name; }
     GLuint sampler(rhi::SamplerHandle handle) const { return samplers_[handle.index]; }
     const Texture& texture(rhi::TextureHandle handle) const { return textures_[handle.index]; }
 
@@ -69,7 +72,11 @@ class Resources {
                                const rhi::Extent& extent, uint32_t samples);
 
   private:
-    std::vector<GLuint> buffers_;
+    struct Buffer {
+        GLuint name = 0;
+        bool is_hosts = false;
+    };
+    std::vector<Buffer> buffers_;
     std::vector<GLuint> samplers_;
     std::vector<Texture> textures_;
     std::map<std::vector<GLint>, GLuint>

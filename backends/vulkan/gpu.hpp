@@ -19,7 +19,7 @@
 
 namespace lumo::backends::vulkan {
 
-/// An object of a device, destroyed with its owner.
+/// An object of a device, destroyed with its owner; a host's, which has no `destroy`, is left to the host.
 template <class T>
 class Unique {
   public:
@@ -34,7 +34,7 @@ class Unique {
         return *this;
     }
     ~Unique() {
-        if (object_) destroy_(device_, object_, nullptr);
+        if (object_ && destroy_) destroy_(device_, object_, nullptr);
     }
 
     T get() const { return object_; }

@@ -106,6 +106,12 @@ Result<Buffer> create_buffer(const Gpu& gpu, Allocator& allocator, const rhi::Bu
     return Buffer{std::move(*memory), std::move(*buffer)};
 }
 
+Result<Buffer> adopt_buffer(const Gpu& gpu, const rhi::BufferDesc& desc, const rhi::NativeBuffer& native) {
+    if (!gpu.is_adopted())
+        return fail(ErrorKind::unsupported, desc.name, "the device was not made from a host's");
+    return Buffer{{}, Unique<VkBuffer>(gpu.device(), handle_of<VkBuffer>(native.object), nullptr)};
+}
+
 Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi::TextureDesc& desc) {
     const ImageShape shape(desc, VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     const auto& asked = shape.asked;
@@ -131,8 +137,7 @@ Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi:
     Texture made;
     made.desc_ = desc;
     made.memory_ = std::move(*memory);
-    made.image_ = image->get();
-    made.owned_ = std::move(*image);
+    made.image_ = std::move(*image);
     return made;
 }
 
@@ -150,7 +155,7 @@ Result<Texture> Texture::adopt(const Gpu& gpu, const rhi::TextureDesc& desc,
         return tl::unexpected(fine.error());
     Texture made;
     made.desc_ = desc;
-    made.image_ = handle_of<VkImage>(native.object);
+    made.image_ = Unique<VkImage>(gpu.device(), handle_of<VkImage>(native.object), nullptr);
     made.native_ = native;
     return made;
 }

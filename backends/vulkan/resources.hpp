@@ -18,6 +18,8 @@ struct Buffer {
 };
 
 Result<Buffer> create_buffer(const Gpu& gpu, Allocator& allocator, const rhi::BufferDesc& desc);
+/// A host's. Error: unsupported (the device is not).
+Result<Buffer> adopt_buffer(const Gpu& gpu, const rhi::BufferDesc& desc, const rhi::NativeBuffer& native);
 
 class Texture {
   public:
@@ -29,7 +31,7 @@ class Texture {
     static Result<Texture> adopt(const Gpu& gpu, const rhi::TextureDesc& desc,
                                  const rhi::NativeTexture& native);
 
-    VkImage image() const { return image_; }
+    VkImage image() const { return image_.get(); }
     const rhi::TextureDesc& desc() const { return desc_; }
     /// Of an image of lumo's own.
     uint64_t allocated_bytes() const { return memory_->size; }
@@ -47,8 +49,7 @@ class Texture {
   private:
     rhi::TextureDesc desc_;
     Allocation memory_{};
-    Unique<VkImage> owned_;
-    VkImage image_ = VK_NULL_HANDLE;
+    Unique<VkImage> image_;
     rhi::NativeTexture native_;  ///< layouts of a host's image
     std::vector<std::pair<std::pair<rhi::TextureView, rhi::TextureUsage>, Unique<VkImageView>>> views_;
 };

@@ -55,6 +55,12 @@ class VulkanBackend : public rhi::Backend {
             place(store_.textures, handle.index, std::move(texture));
         });
     }
+    Result<void> adopt_buffer(rhi::BufferHandle handle, const rhi::BufferDesc& desc,
+                              const rhi::NativeBuffer& native) override {
+        return vulkan::adopt_buffer(*gpu_, desc, native).map([&](Buffer&& buffer) {
+            place(store_.buffers, handle.index, std::move(buffer));
+        });
+    }
     Result<void> create_sampler(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) override {
         return vulkan::create_sampler(*gpu_, desc).map([&](Unique<VkSampler>&& sampler) {
             place(store_.samplers, handle.index, std::move(sampler));

@@ -88,6 +88,12 @@ class FakeBackend : public Backend {
         state_.textures[handle.index] = desc.name;
         return {};
     }
+    Result<void> adopt_buffer(BufferHandle handle, const BufferDesc& desc, const NativeBuffer&) override {
+        if (auto error = failure("adopt_buffer")) return tl::unexpected(*error);
+        state_.buffers[handle.index].resize(desc.size);
+        names_[handle.index] = desc.name;
+        return {};
+    }
     Result<void> create_sampler(SamplerHandle handle, const SamplerDesc& desc) override {
         if (auto error = failure("create_sampler")) return tl::unexpected(*error);
         state_.samplers.insert(handle.index);
