@@ -49,9 +49,14 @@ void Context::open_window(const ContextDesc& desc) {
 void Context::open_headless() {
     const auto get_display =
         reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
-    if (get_display) egl_display_ = get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+    const auto query_devices =
+        reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
+    EGLDeviceEXT device = nullptr;
+    EGLint devices = 0;
+    if (get_display && query_devices && query_devices(1, &device, &devices) && devices > 0)
+        egl_display_ = get_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
     if (!egl_display_ || !eglInitialize(egl_display_, nullptr, nullptr))
-        throw std::runtime_error("EGL has no display without a window");
+        throw std::runtime_error("EGL has no device to draw on without a window");
     eglBindAPI(EGL_OPENGL_API);
     const std::array<EGLint, 9> attributes{EGL_CONTEXT_MAJOR_VERSION,
                                            4,

@@ -11,8 +11,13 @@ namespace {
 EGLDisplay headless_display() {
     const auto get_display =
         reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
-    if (!get_display) return EGL_NO_DISPLAY;
-    EGLDisplay display = get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+    const auto query_devices =
+        reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
+    EGLDeviceEXT device = nullptr;
+    EGLint devices = 0;
+    if (!get_display || !query_devices || !query_devices(1, &device, &devices) || devices < 1)
+        return EGL_NO_DISPLAY;
+    EGLDisplay display = get_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
     return display != EGL_NO_DISPLAY && eglInitialize(display, nullptr, nullptr) ? display : EGL_NO_DISPLAY;
 }
 
