@@ -18,8 +18,15 @@ uint32_t big_endian(std::span<const std::byte> bytes, size_t at, size_t size) {
     return value;
 }
 
+// Whether the chunks lead up to the one that ends the image. libpng allocates what each says to be its size.
+bool is_whole(std::span<const std::byte> bytes) {
+    for (uint64_t at = 8; at + 12 <= bytes.size(); at += 12 + uint64_t(big_endian(bytes, at, 4)))
+        if (big_endian(bytes, at + 4, 4) == 0x49454e44) return true;
+    return false;
+}
+
 std::optional<Header> header_of(std::span<const std::byte> bytes) {
-    if (bytes.size() < 26 || big_endian(bytes, 12, 4) != 0x49484452) return std::nullopt;
+    if (bytes.size() < 26 || big_endian(bytes, 12, 4) != 0x49484452 || !is_whole(bytes)) return std::nullopt;
     Header header{.width = big_endian(bytes, 16, 4), .height = big_endian(bytes, 20, 4)};
     const uint32_t depth = big_endian(bytes, 24, 1), color_type = big_endian(bytes, 25, 1);
     const uint64_t channels = color_type == 2 ? 3 : color_type == 4 ? 2 : color_type == 6 ? 4 : 1;
@@ -93,7 +100,7 @@ struct Pixels {
 
 Result<Pixels> decode(const Source& source, bool to_float) {
     auto header = header_of(source.bytes);
-    if (!header) return codec::damaged(source, "its header is no PNG header, or cut off");
+    if (!header) return codec::damaged(source, "its chunks do not lead from a header to an end");
     if (const auto checked = check(*header, source); !checked) return tl::unexpected(checked.error());
 
     Reader reader(source.bytes);

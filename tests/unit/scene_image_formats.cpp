@@ -59,6 +59,13 @@ TEST(Png, DamagedChunksFail) {
     }
 }
 
+TEST(Png, LyingChunksFailBeforeMemoryIsTaken) {
+    std::string lie = make_png(8, 8, 8, 2, std::string(192, 'x'));
+    const size_t pixels = lie.find("IDAT") - 4;
+    lie.insert(pixels, std::string("\x78\0\0\0tEXt", 8));
+    expect_error(decode_image8(bytes_of(lie), "lie"), ErrorKind::invalid_file, "chunks");
+}
+
 TEST(Png, SixteenBitsAreKeptAsFloats) {
     TemporaryFolder folder;
     const auto file = folder.write("wide.png", make_png(2, 1, 16, 0, std::string("\0\1\xff\xfe", 4)));
