@@ -1,5 +1,6 @@
 // lumo: real-time global illumination from the command line.
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <exception>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -30,6 +31,12 @@ Result<int> run(const Options& options) {
     return exit_done;
 }
 
+/// That there was no room for what was printed shows itself only here.
+Result<int> flushed(int exit_code) {
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return exit_code;
+    return fail(ErrorKind::io, "standard output", "cannot be written", "check that it has room");
+}
+
 int run(int argc, const char* const* argv) {
     const auto options = parse_options(argc, argv);
     if (!options) {
@@ -37,7 +44,7 @@ int run(int argc, const char* const* argv) {
         return options.error().exit_code;
     }
     start_messages(options->quiet);
-    const Result<int> exit_code = run(*options);
+    const Result<int> exit_code = run(*options).and_then(flushed);
     if (exit_code) return *exit_code;
     spdlog::error("{}", to_string(exit_code.error()));
     return exit_failed;

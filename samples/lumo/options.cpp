@@ -410,14 +410,18 @@ SettingOptions add_bench(CLI::App& app, Options& options) {
     add(app, "NAME", "", "", one_of<std::string>(&options.benchmark, names))->description(known)->required();
     SettingOptions settings = add_scene_settings(app, options);
     std::ranges::copy(add_view_settings(app, options, "each that works"), std::back_inserter(settings));
-    add(app, "--runs", "N", fmt::to_string(options.runs), "figures are medians of so many",
-        [&](const std::string& text) -> Result<void> {
-            return parse_integer(text, 1, 1000).map([&](uint32_t count) { options.runs = count; });
-        });
+    settings.emplace_back(
+        "runs",
+        add(app, "--runs", "N", "", "figures are medians of so many: if not given 5, of voxels 100",
+            [&](const std::string& text) -> Result<void> {
+                return parse_integer(text, 1, 1000).map([&](uint32_t count) { options.runs = count; });
+            }));
     add_flag(app, "--json", options.json, "machine-readable output");
     add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
     app.footer(
         "Examples:\n"
+        "  lumo bench voxels Sponza.gltf --runs 3 --voxels 128 --size 480x270\n"
+        "  lumo bench memory Sponza.gltf\n"
         "  lumo bench rhi\n"
         "  lumo bench rhi --api vulkan --runs 9 --json");
     return settings;
@@ -485,9 +489,12 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
         if (const Result<void> done = read_config(config, render_settings); !done)
             return refuse(to_string(done.error()));
     }
-    options.settings = collect(options.command == Command::check   ? check_settings
-                               : options.command == Command::bench ? bench_settings
-                                                                   : render_settings);
+    const SettingOptions& settings = options.command == Command::check   ? check_settings
+                                     : options.command == Command::bench ? bench_settings
+                                                                         : render_settings;
+    options.settings = collect(settings);
+    for (const auto& [name, option] : settings)
+        if (option->count() > 0) options.given.insert(name);
     return options;
 }
 

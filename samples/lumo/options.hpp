@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <tl/expected.hpp>
 #include <variant>
@@ -73,6 +74,8 @@ struct Options {
     ParityChoice parity = ParityChoice::mesa;
 
     std::string benchmark = {};
+    /// Settings that the command line or the configuration gave, by their names without dashes.
+    std::set<std::string> given = {};
     uint32_t runs = 5;  ///< of a benchmark: its figures are medians of so many
 };
 

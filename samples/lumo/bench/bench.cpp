@@ -12,6 +12,10 @@ namespace lumo::program {
 namespace {
 
 constexpr std::array table{
+    Benchmark{"voxels",
+              "the paper's table 1: times to voxelize, inject light and trace cones, by configuration",
+              bench_voxels},
+    Benchmark{"memory", "the paper's table 2: an octree's size from 32 to 1024 voxels a side", bench_memory},
     Benchmark{"rhi", "CPU time per draw and dispatch against OpenGL and Vulkan alone; bandwidth; pass times",
               bench_rhi},
 };

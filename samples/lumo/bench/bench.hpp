@@ -31,6 +31,8 @@ struct Benchmark {
 /// All of them. A new one is a function in a file of its own, and a line here.
 std::span<const Benchmark> benchmarks();
 
+Result<BenchReport> bench_voxels(const Options& options);
+Result<BenchReport> bench_memory(const Options& options);
 Result<BenchReport> bench_rhi(const Options& options);
 
 /// Of repeated measurements.
