@@ -18,7 +18,7 @@ namespace lumo::backends::gl {
 ///
 /// Textures: Device::adopt_texture takes a name whose storage is immutable. lumo reads and writes it through a view,
 /// so neither its parameters nor its name are touched, and the host may delete the name while lumo has it. What either
-/// side wrote is visible to the other without a barrier.
+/// side wrote to a texture or a buffer is visible to the other without a barrier.
 ///
 /// Sync: with one context there is nothing to do. For work of another context of the share group, Commands::wait
 /// takes a GLsync whose fence that context has flushed; for the other way, call glFenceSync after submit.
