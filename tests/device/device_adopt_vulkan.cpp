@@ -448,6 +448,34 @@ TEST_F(AdoptVulkan, ImagesOutliveTheirTexturesAndTheDevice) {
     messages.clear();  // the pipeline outlived its device, on purpose
 }
 
+TEST_F(AdoptVulkan, BuffersAreWrittenByBothInTurns) {
+    OPEN_HOST();
+    constexpr uint32_t words = 256;
+    const VulkanHost::Buffer mine =
+        host->buffer(words * 4, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+    std::memset(mine.mapped, 0, words * 4);
+    const auto step = must(device->create_compute_pipeline<advance>());
+    {
+        const Buffer values = must(
+            device->adopt_buffer({.name = "values", .size = words * 4}, {.object = uint64_t(mine.buffer)}));
+        for (uint32_t frame = 0; frame < 3; ++frame) {
+            // Half of them begin anew; no barrier but lumo's orders this behind what lumo wrote.
+            host->submit([&](VkCommandBuffer commands) {
+                vkCmdFillBuffer(commands, mine.buffer, 0, words * 2, frame);
+            });
+            Commands commands = device->begin();
+            Pass pass = commands.pass("step");
+            for (int i = 0; i < 2; ++i) pass.dispatch(step, {.Values = values.slice()}, {}, {4});
+        }
+    }
+    host->submit(show_to_cpu);
+    host->wait_idle();
+    const auto* values = static_cast<const uint32_t*>(mine.mapped);
+    // Twice x -> 3 x + 1, from 2 by the host's last fill, or six times from 0.
+    EXPECT_THAT(std::span(values, words / 2), Each(22u));
+    EXPECT_THAT(std::span(values + words / 2, words / 2), Each(364u));
+}
+
 TEST_F(AdoptVulkan, WhatIsNoImageOfAHostsIsRefused) {
     OPEN_HOST();
     const VkImage image = host->image(VK_FORMAT_R8G8B8A8_UNORM, side, VK_IMAGE_USAGE_SAMPLED_BIT);
@@ -464,6 +492,7 @@ TEST_F(AdoptVulkan, WhatIsNoImageOfAHostsIsRefused) {
         desc, {.object = uint64_t(image), .layout_before = general, .layout_after = general});
     ASSERT_FALSE(stranger);
     EXPECT_EQ(stranger.error().kind, ErrorKind::unsupported);
+    EXPECT_FALSE(own->device->adopt_buffer({.name = "values", .size = 4}, {.object = uint64_t(image)}));
 }
 
 // -- semaphores
@@ -477,18 +506,16 @@ TEST_F(AdoptVulkan, WorkWaitsForTimelineSemaphoresAndSignalsThem) {
     commands.signal({.object = uint64_t(semaphore), .value = 6});
     commands.pass("fill").fill(values.slice(), 9);
     const Submission waiting = device->submit(std::move(commands));
-    EXPECT_FALSE(device->finished(waiting)) << "it did not wait";
-    uint64_t value = 99;
-    vkGetSemaphoreCounterValue(host->device(), semaphore, &value);
-    EXPECT_EQ(value, 0u);
-    const VkSemaphoreSignalInfo go{
-        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO, .semaphore = semaphore, .value = 5};
-    ASSERT_EQ(vkSignalSemaphore(host->device(), &go), VK_SUCCESS);
-    value = 6;
+    uint64_t value = 6;
     const VkSemaphoreWaitInfo done{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
                                    .semaphoreCount = 1,
                                    .pSemaphores = &semaphore,
                                    .pValues = &value};
+    EXPECT_EQ(vkWaitSemaphores(host->device(), &done, 50'000'000), VK_TIMEOUT) << "it did not wait";
+    EXPECT_FALSE(device->finished(waiting));
+    const VkSemaphoreSignalInfo go{
+        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO, .semaphore = semaphore, .value = 5};
+    ASSERT_EQ(vkSignalSemaphore(host->device(), &go), VK_SUCCESS);
     constexpr uint64_t ten_seconds = 10'000'000'000;
     EXPECT_EQ(vkWaitSemaphores(host->device(), &done, ten_seconds), VK_SUCCESS) << "it did not signal";
     EXPECT_EQ(values_of<uint32_t>(must(device->download(values.slice())))[0], 9u);

@@ -122,6 +122,7 @@ VulkanHost::~VulkanHost() {
         vkDeviceWaitIdle(device_);
         for (VkSemaphore semaphore : semaphores_) vkDestroySemaphore(device_, semaphore, nullptr);
         for (VkImage image : images_) vkDestroyImage(device_, image, nullptr);
+        for (VkBuffer buffer : buffers_) vkDestroyBuffer(device_, buffer, nullptr);
         for (VkDeviceMemory memory : memories_) vkFreeMemory(device_, memory, nullptr);
         vkDestroyCommandPool(device_, pool_, nullptr);
         vkDestroyDevice(device_, nullptr);
@@ -186,6 +187,27 @@ void VulkanHost::destroy(VkImage image) {
     vkDestroyImage(device_, image, nullptr);
 }
 
+VulkanHost::Buffer VulkanHost::buffer(uint64_t size, VkBufferUsageFlags usage) {
+    const VkBufferCreateInfo info{
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usage};
+    VkBuffer buffer = VK_NULL_HANDLE;
+    must_succeed(vkCreateBuffer(device_, &info, nullptr, &buffer), "vkCreateBuffer");
+    buffers_.push_back(buffer);
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(device_, buffer, &needs);
+    const VkMemoryAllocateInfo allocate{
+        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+        .allocationSize = needs.size,
+        .memoryTypeIndex = memory_type(needs.memoryTypeBits, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                                                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)};
+    must_succeed(vkAllocateMemory(device_, &allocate, nullptr, &memories_.emplace_back()),
+                 "vkAllocateMemory");
+    must_succeed(vkBindBufferMemory(device_, buffer, memories_.back(), 0), "vkBindBufferMemory");
+    void* mapped = nullptr;
+    must_succeed(vkMapMemory(device_, memories_.back(), 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
+    return {buffer, mapped};
+}
+
 VkSemaphore VulkanHost::semaphore(bool timeline) {
     const VkSemaphoreTypeCreateInfo type{
         .sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
@@ -223,39 +245,25 @@ void VulkanHost::submit(const std::function<void(VkCommandBuffer)>& record, VkSe
 std::vector<std::byte> VulkanHost::download(VkImage image, VkImageLayout layout, uint32_t side,
                                             uint32_t texel_bytes) {
     const uint64_t size = uint64_t(side) * side * texel_bytes;
-    const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                  .size = size,
-                                  .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
-    VkBuffer buffer = VK_NULL_HANDLE;
-    must_succeed(vkCreateBuffer(device_, &info, nullptr, &buffer), "vkCreateBuffer");
-    VkMemoryRequirements needs;
-    vkGetBufferMemoryRequirements(device_, buffer, &needs);
-    const VkMemoryAllocateInfo allocate{
-        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-        .allocationSize = needs.size,
-        .memoryTypeIndex = memory_type(needs.memoryTypeBits, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
-                                                                 VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)};
-    VkDeviceMemory memory = VK_NULL_HANDLE;
-    must_succeed(vkAllocateMemory(device_, &allocate, nullptr, &memory), "vkAllocateMemory");
-    must_succeed(vkBindBufferMemory(device_, buffer, memory, 0), "vkBindBufferMemory");
-    submit([&](VkCommandBuffer commands) {
+    const auto [buffer, mapped] = this->buffer(size, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+    submit([&, target = buffer](VkCommandBuffer commands) {
         const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                        .imageExtent = {side, side, 1}};
-        vkCmdCopyImageToBuffer(commands, image, layout, buffer, 1, &region);
-        const VkMemoryBarrier visible{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
-                                      .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
-                                      .dstAccessMask = VK_ACCESS_HOST_READ_BIT};
-        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
-                             &visible, 0, nullptr, 0, nullptr);
+        vkCmdCopyImageToBuffer(commands, image, layout, target, 1, &region);
+        show_to_cpu(commands);
     });
     wait_idle();
     std::vector<std::byte> texels(size);
-    void* mapped = nullptr;
-    must_succeed(vkMapMemory(device_, memory, 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory");
     std::memcpy(texels.data(), mapped, size);
-    vkDestroyBuffer(device_, buffer, nullptr);
-    vkFreeMemory(device_, memory, nullptr);
     return texels;
+}
+
+void show_to_cpu(VkCommandBuffer commands) {
+    const VkMemoryBarrier visible{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                  .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
+                                  .dstAccessMask = VK_ACCESS_HOST_READ_BIT};
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
+                         &visible, 0, nullptr, 0, nullptr);
 }
 
 void transition(VkCommandBuffer commands, VkImage image, VkImageLayout before, VkImageLayout after) {

@@ -50,6 +50,12 @@ class VulkanHost {
     /// A 2D colour image, in no layout; destroyed with the host or before.
     VkImage image(VkFormat format, uint32_t side, VkImageUsageFlags usage, uint32_t mips = 1);
     void destroy(VkImage image);
+    /// In memory that the CPU sees at `mapped`.
+    struct Buffer {
+        VkBuffer buffer;
+        void* mapped;
+    };
+    Buffer buffer(uint64_t size, VkBufferUsageFlags usage);
     VkSemaphore semaphore(bool timeline);
     /// Records and submits; waits for `wait` (a binary semaphore) before, signals `signal` after.
     void submit(const std::function<void(VkCommandBuffer)>& record, VkSemaphore wait = VK_NULL_HANDLE,
@@ -74,11 +80,15 @@ class VulkanHost {
     uint32_t family_ = 0;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     std::vector<VkImage> images_;
+    std::vector<VkBuffer> buffers_;
     std::vector<VkDeviceMemory> memories_;
     std::vector<VkSemaphore> semaphores_;
 };
 
 /// A transition that waits for all before it and holds back all after it.
 void transition(VkCommandBuffer commands, VkImage image, VkImageLayout before, VkImageLayout after);
+
+/// What was written so far is seen by the CPU after a wait.
+void show_to_cpu(VkCommandBuffer commands);
 
 }  // namespace lumo::testing_support

@@ -70,6 +70,34 @@ TEST_F(Adopt, ATextureGoesBackWholeAndOnlyWhereItWasUsed) {
     EXPECT_THAT(state.handed_back, IsEmpty());
 }
 
+TEST_F(Adopt, ABufferComesAndGoesWithoutALayout) {
+    const Buffer values =
+        std::move(device->adopt_buffer({.name = "values", .size = 64}, {.object = 9}).value());
+    for (int submission = 0; submission < 2; ++submission) {
+        Commands commands = device->begin();
+        {
+            Pass pass = commands.pass("read twice");
+            pass.read(values.slice());
+            pass.read(values.slice());
+        }
+        device->submit(std::move(commands));
+        const auto& taken = state.passes.back().step_barriers;
+        ASSERT_THAT(taken.at(0), SizeIs(1)) << submission;
+        EXPECT_EQ(taken[0][0].before, Access::external);
+        EXPECT_EQ(taken[0][0].before_layout, taken[0][0].after_layout);
+        EXPECT_THAT(taken.at(1), IsEmpty()) << "it has come already";
+        ASSERT_THAT(state.handed_back, SizeIs(1)) << submission;
+        EXPECT_EQ(state.handed_back[0].memory, (MemoryId{MemoryId::Kind::buffer, values.handle().index}));
+        EXPECT_EQ(state.handed_back[0].after, Access::external);
+        EXPECT_EQ(state.handed_back[0].before_layout, state.handed_back[0].after_layout);
+    }
+    EXPECT_EQ(values.mapped(), nullptr);
+    EXPECT_FALSE(
+        device->adopt_buffer({.name = "mapped", .size = 4, .memory = Memory::upload}, {.object = 9}));
+    EXPECT_FALSE(device->adopt_buffer({.name = "nothing", .size = 4}, {.object = 0}));
+    EXPECT_FALSE(device->adopt_buffer({.name = "empty", .size = 0}, {.object = 9}));
+}
+
 TEST(AdoptPlan, EveryBarrierOfAHostsTextureIsNeeded) {
     const MemoryId host{MemoryId::Kind::texture, 0, 0}, own{MemoryId::Kind::texture, 1, 0};
     const Use external{.memory = host, .access = Access::external, .layout = Layout::external};
