@@ -1,4 +1,4 @@
-// Radiance that leaves each voxel's surfaces when analytic lights alone light them.
+// Radiance that leaves each voxel's surfaces when analytic lights alone light them. What is empty is left as it is, 0.
 #define FLUX 2
 #include "voxels/reflect.glsl"
 
@@ -20,10 +20,8 @@ void main() {
     if (any(greaterThanEqual(cell, imageSize(radiance)))) return;
 
     vec4 surface = imageLoad(albedo, cell);
-    vec3 leaving = vec3(0);
-    if (surface.a > 0.0) {
-        FluxUnits units = FluxUnits(push.flux, push.lit_area, push.lights);
-        leaving = surface.rgb / pi * direct_irradiance(units, cell, imageLoad(area, cell).r);
-    }
+    if (surface.a == 0.0) return;
+    FluxUnits units = FluxUnits(push.flux, push.lit_area, push.lights);
+    vec3 leaving = surface.rgb / pi * direct_irradiance(units, cell, imageLoad(area, cell).r);
     imageStore(radiance, cell, vec4(leaving * push.radiance_scale, 1) * surface.a);
 }

@@ -26,7 +26,8 @@ void main() {
     int axis = int(gl_WorkGroupID.z);
     uint count = large_arguments.data[push.draw].count;
     for (uint entry = gl_WorkGroupID.x; entry < count; entry += gl_NumWorkGroups.x) {
-        Triangle t = fetch_triangle(large_list.data[push.first_large + entry]);
+        uint number = large_list.data[push.first_large + entry];
+        Triangle t = fetch_triangle(number / push.triangles, number % push.triangles);
         Projection projection = project(t, axis);
         ivec2 edges[3];
         for (int i = 0; i < 3; ++i) edges[i] = projection.corner[(i + 1) % 3] - projection.corner[i];

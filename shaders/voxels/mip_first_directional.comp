@@ -1,5 +1,5 @@
 // The finest anisotropic mip, as voxels/mip_directional.comp makes the others: from level 0, which has no directions, so
-// that a voxel's eight children are read once for all six.
+// that a voxel's eight children are read once for all six. What is empty is left as it is, 0.
 #include "common/voxel_grid.glsl"
 
 layout(local_size_x = 8, local_size_y = 4, local_size_z = 2) in;
@@ -20,16 +20,14 @@ void main() {
     vec4 c4 = texelFetch(finer, first + ivec3(0, 0, 1), 0), c5 = texelFetch(finer, first + ivec3(1, 0, 1), 0);
     vec4 c6 = texelFetch(finer, first + ivec3(0, 1, 1), 0), c7 = texelFetch(finer, first + ivec3(1, 1, 1), 0);
 
-    // Most are empty.
-    precise vec4 seen[6] = vec4[](vec4(0), vec4(0), vec4(0), vec4(0), vec4(0), vec4(0));
-    if (c0.a + c1.a + c2.a + c3.a + c4.a + c5.a + c6.a + c7.a > 0.0) {
-        seen[0] = ((over(c0, c1) + over(c2, c3)) + over(c4, c5)) + over(c6, c7);
-        seen[1] = ((over(c1, c0) + over(c3, c2)) + over(c5, c4)) + over(c7, c6);
-        seen[2] = ((over(c0, c2) + over(c4, c6)) + over(c1, c3)) + over(c5, c7);
-        seen[3] = ((over(c2, c0) + over(c6, c4)) + over(c3, c1)) + over(c7, c5);
-        seen[4] = ((over(c0, c4) + over(c1, c5)) + over(c2, c6)) + over(c3, c7);
-        seen[5] = ((over(c4, c0) + over(c5, c1)) + over(c6, c2)) + over(c7, c3);
-    }
+    if (c0.a + c1.a + c2.a + c3.a + c4.a + c5.a + c6.a + c7.a == 0.0) return;
+    precise vec4 seen[6];
+    seen[0] = ((over(c0, c1) + over(c2, c3)) + over(c4, c5)) + over(c6, c7);
+    seen[1] = ((over(c1, c0) + over(c3, c2)) + over(c5, c4)) + over(c7, c6);
+    seen[2] = ((over(c0, c2) + over(c4, c6)) + over(c1, c3)) + over(c5, c7);
+    seen[3] = ((over(c2, c0) + over(c6, c4)) + over(c3, c1)) + over(c7, c5);
+    seen[4] = ((over(c0, c4) + over(c1, c5)) + over(c2, c6)) + over(c3, c7);
+    seen[5] = ((over(c4, c0) + over(c5, c1)) + over(c6, c2)) + over(c7, c3);
     for (int direction = 0; direction < 6; ++direction) {
         imageStore(coarser, voxel + ivec3(direction * side, 0, 0), seen[direction] / 4.0);
     }

@@ -1,4 +1,4 @@
-// Sums to means over the surfaces in each voxel.
+// Sums to means over the surfaces in each voxel. What is empty is left as it is, 0.
 #include "common/voxel_grid.glsl"
 #define SUMS 0
 #define EXCHANGED 1
@@ -16,15 +16,10 @@ void main() {
     if (any(greaterThanEqual(cell, imageSize(albedo)))) return;
 
     float weight = sum(cell, word_weight);
-    vec4 surface = vec4(0);
-    vec3 facing = vec3(0.5);
-    if (weight > 0.0) {
-        // At least 1/255: a surface, however clear, is not an empty voxel.
-        surface.a = translucent ? max(sum(cell, word_opacity) / weight, 1.0 / 255.0) : 1.0;
-        surface.rgb = mean_value(cell, weight);
-        if (normals) facing = mean_color(cell, word_normal, weight);
-    }
-    imageStore(albedo, cell, surface);
-    imageStore(area, cell, vec4(weight > 0.0 ? encode_area(weight / weight_unit) : 0.0));
-    if (normals) imageStore(normal, cell, vec4(facing, 1));
+    if (weight == 0.0) return;
+    // At least 1/255: a surface, however clear, is not an empty voxel.
+    float opacity = translucent ? max(sum(cell, word_opacity) / weight, 1.0 / 255.0) : 1.0;
+    imageStore(albedo, cell, vec4(mean_value(cell, weight), opacity));
+    imageStore(area, cell, vec4(encode_area(weight / weight_unit)));
+    if (normals) imageStore(normal, cell, vec4(mean_color(cell, word_normal, weight), 1));
 }

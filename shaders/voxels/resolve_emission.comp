@@ -1,4 +1,4 @@
-// Sums over the emitting surfaces to the mean emission of all surfaces in each voxel.
+// Sums over the emitting surfaces to the mean emission of all surfaces in each voxel. What is empty is left as it is, 0.
 #include "common/voxel_grid.glsl"
 #define SUMS 0
 #define EXCHANGED 1
@@ -19,11 +19,13 @@ void main() {
     ivec3 cell = ivec3(gl_GlobalInvocationID);
     if (any(greaterThanEqual(cell, imageSize(emission_volume)))) return;
 
+    float opacity = imageLoad(albedo, cell).a;
+    if (opacity == 0.0) return;
     float weight = sum(cell, word_weight);
     vec3 mean = vec3(0);
     if (weight > 0.0) {
         // The rest of the voxel's surface is dark.
         mean = mean_value(cell, weight) * min(weight / weight_unit / decode_area(imageLoad(area, cell).r), 1.0);
     }
-    imageStore(emission_volume, cell, vec4(mean * push.scale, 1) * imageLoad(albedo, cell).a);
+    imageStore(emission_volume, cell, vec4(mean * push.scale, 1) * opacity);
 }

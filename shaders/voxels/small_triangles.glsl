@@ -33,11 +33,8 @@ void voxelize_along(Triangle t, int axis, Projection projection) {
     }
 }
 
-void main() {
-    uint number = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-    if (number >= push.triangles * push.instances) return;
-
-    Triangle t = fetch_triangle(number);
+void voxelize_triangle(uint instance, uint triangle) {
+    Triangle t = fetch_triangle(instance, triangle);
     int columns = 0;
     for (int axis = 0; axis < 3; ++axis) {
         ivec2 size = project(t, axis).size;
@@ -49,9 +46,20 @@ void main() {
     if (columns > 0 && !small) {
         uint place = atomicAdd(large_arguments.data[push.draw].count, 1u);
         atomicMax(large_arguments.data[push.draw].groups_x, min(place + 1u, max_large_groups));
-        large_list.data[push.first_large + place] = number;
+        large_list.data[push.first_large + place] = instance * push.triangles + triangle;
     }
     if (columns > 0 && small) {
         for (int axis = 0; axis < 3; ++axis) voxelize_along(t, axis, project(t, axis));
+    }
+}
+
+void main() {
+    // The same for a whole group, which then reads an instance once.
+    uint instance = gl_WorkGroupID.y + gl_WorkGroupID.z * gl_NumWorkGroups.y;
+    if (instance < push.instances) {
+        for (uint triangle = gl_GlobalInvocationID.x; triangle < push.triangles;
+             triangle += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+            voxelize_triangle(instance, triangle);
+        }
     }
 }

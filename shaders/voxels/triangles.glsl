@@ -30,11 +30,10 @@ struct Triangle {
     float doubled_area;
 };
 
-// By number among the draw's, instance by instance.
-Triangle fetch_triangle(uint number) {
+Triangle fetch_triangle(uint instance, uint triangle) {
     Triangle t;
-    t.instance = push.first_instance + number / push.triangles;
-    uint first = push.first_index + number % push.triangles * 3u;
+    t.instance = push.first_instance + instance;
+    uint first = push.first_index + triangle * 3u;
     t.number = first / 3u + t.instance * 0x9e3779b9u;
     t.vertices = uvec3(indices.data[first], indices.data[first + 1u], indices.data[first + 2u]);
     VoxelGrid grid = VoxelGrid(push.grid_origin, push.voxels_per_metre);

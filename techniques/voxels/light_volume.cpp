@@ -68,6 +68,7 @@ void Mips::record(rhi::Pass& pass, const LightVolume& volume) const {
     };
     if (volume.directions) {
         const uint32_t side = target.desc().extent.height;
+        pass.clear(target.mip<Dimension::d3>(0));
         pass.dispatch(first_directional_,
                       {.finer = finer(volume.base, 0), .coarser = target.mip<Dimension::d3>(0)}, {},
                       {rhi::groups_for(side, 8), rhi::groups_for(side, 4), rhi::groups_for(side, 2)});

@@ -1,5 +1,7 @@
 #include "techniques/voxels/voxelizer.hpp"
 
+#include <algorithm>
+
 namespace lumo::voxels {
 
 std::string_view to_string(VoxelizerKind kind) {
@@ -13,10 +15,10 @@ uint64_t count_triangles(const scene::GeometryView& geometry) {
     return triangles;
 }
 
-rhi::Groups triangle_groups(uint32_t triangles) {
-    const uint32_t groups = rhi::groups_for(triangles, 64);
-    const uint32_t rows = rhi::groups_for(groups, 65535);
-    return {rhi::groups_for(groups, std::max(rows, 1u)), rows};
+rhi::Groups triangle_groups(uint32_t triangles, uint32_t instances) {
+    constexpr uint32_t most = 65535;
+    return {std::min(rhi::groups_for(triangles, 64), most), std::min(instances, most),
+            rhi::groups_for(instances, most)};
 }
 
 }  // namespace lumo::voxels

@@ -62,7 +62,7 @@ struct LargeArguments {
 };
 
 /// Groups of shaders/voxels/small_triangles.glsl; no side has more than every device allows.
-rhi::Groups triangle_groups(uint32_t triangles);
+rhi::Groups triangle_groups(uint32_t triangles, uint32_t instances);
 
 /// A Destination names three programs, and binds what they write:
 ///
@@ -193,6 +193,7 @@ void Voxelizer<Destination>::record(rhi::Commands& commands, std::string_view pa
         return;
     }
 
+    if (geometry.draws.empty()) return;
     rhi::Pass pass = commands.pass(pass_name);
     // More groups share a triangle where it may cover many columns.
     const std::vector<LargeArguments> none_yet(std::max(draws_, 1u),
@@ -213,7 +214,7 @@ void Voxelizer<Destination>::record(rhi::Commands& commands, std::string_view pa
                                        push_of<Large>(grid, draw, i, first_triangle, emission_scale),
                                        large_arguments_.slice(i * sizeof(LargeArguments), 12), true);
             } else {
-                rhi::Groups groups = triangle_groups(triangles);
+                rhi::Groups groups = triangle_groups(draw.index_count / 3, draw.instances);
                 groups.unordered = true;
                 pass.dispatch(small_[is_masked(draw)], destination.template compute<Small>(sources, large),
                               push_of<Small>(grid, draw, i, first_triangle, emission_scale), groups);

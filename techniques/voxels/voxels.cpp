@@ -201,19 +201,23 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
     }
     const CellLookup lookup{nodes(), records()};
     sums_->add_surfaces(commands, geometry, grid_, lookup);
-    commands.pass("voxels.resolve")
-        .dispatch(resolve_,
-                  {.sums = sums_->sums().mip<Dimension::d3>(0),
-                   .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
-                   .floats = sums_->floats().mip<Dimension::d3>(0),
-                   .albedo = albedo_.mip<Dimension::d3>(0),
-                   .area = area_.mip<Dimension::d3>(0),
-                   .normal = normal_.mip<Dimension::d3>(0)},
-                  {}, cell_groups());
+    {
+        rhi::Pass pass = commands.pass("voxels.resolve");
+        for (const rhi::Texture* texture : {&albedo_, &area_, &normal_}) pass.clear(texture->view());
+        pass.dispatch(resolve_,
+                      {.sums = sums_->sums().mip<Dimension::d3>(0),
+                       .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
+                       .floats = sums_->floats().mip<Dimension::d3>(0),
+                       .albedo = albedo_.mip<Dimension::d3>(0),
+                       .area = area_.mip<Dimension::d3>(0),
+                       .normal = normal_.mip<Dimension::d3>(0)},
+                      {}, cell_groups());
+    }
     if (!needs_.emission) return;
 
     sums_->add_emission(commands, geometry, grid_, lookup, 1 / emission_unit_);
     rhi::Pass pass = commands.pass("voxels.emission");
+    pass.clear(light_cells(emission_));
     pass.dispatch(resolve_emission_,
                   {.sums = sums_->sums().mip<Dimension::d3>(0),
                    .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
@@ -288,6 +292,7 @@ void Volume::inject(rhi::Commands& commands, const shadow::View* lights) {
     injected_.radiance_scale = stored_unit(settings_.range) / (unit > 0 ? unit : 1);
 
     rhi::Pass pass = commands.pass("voxels.inject");
+    pass.clear(light_cells(radiance_));
     pass.dispatch(inject_,
                   {.albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),

@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{{"view"}, {"view", "render, check, diff, devices, bench"}},
         Refused{{"render", "--storage", "list"}, {"--storage", "list", "available: vt, svo"}},
         Refused{{"render", "--mips", "none"}, {"--mips", "none", "available: iso, ani"}},
-        Refused{{"render", "--range", "rgbe"}, {"--range", "rgbe", "available: ldr"}},
+        Refused{{"render", "--range", "hdr"}, {"--range", "hdr", "available: auto, ldr"}},
         Refused{{"render", "--apertures", "nonuniform"}, {"--apertures", "available: uniform"}},
         Refused{{"render", "--sky", "on"}, {"--sky", "available: none"}},
         Refused{{"render", "--teapot"}, {"--teapot", "available:", "--cones"}},
