@@ -94,7 +94,12 @@ struct BindingValue {
     constexpr BindingValue(const StorageBuffer& s) : kind(BindingKind::storage_buffer), slice(s.slice) {}
     constexpr BindingValue(const UniformBuffer& s) : kind(BindingKind::uniform_buffer), slice(s.slice) {}
 
-    bool operator==(const BindingValue&) const = default;
+    bool operator==(const BindingValue& other) const {
+        if (kind != other.kind) return false;
+        if (kind == BindingKind::storage_buffer || kind == BindingKind::uniform_buffer)
+            return slice == other.slice;
+        return view == other.view && sampler == other.sampler;
+    }
 };
 
 }  // namespace lumo::rhi

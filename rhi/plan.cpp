@@ -87,14 +87,6 @@ void HazardTracker::enter(std::span<const Use> uses, bool unordered, std::vector
     std::ranges::sort(barriers.begin() + first, barriers.end(), {}, &Barrier::memory);
 }
 
-HazardTracker::Entry& HazardTracker::entry_of(const MemoryId& memory) {
-    auto& by_index = states_[size_t(memory.kind)];
-    if (memory.index >= by_index.size()) by_index.resize(memory.index + 1);
-    auto& by_mip = by_index[memory.index];
-    if (memory.mip >= by_mip.size()) by_mip.resize(memory.mip + 1);
-    return by_mip[memory.mip];
-}
-
 Use external_use(const MemoryId& memory) {
     const bool texture = memory.kind == MemoryId::Kind::texture;
     return {.memory = memory,

@@ -144,7 +144,13 @@ class HazardTracker {
         MemoryState at_mark;  ///< valid where `touched` is the current mark
         uint64_t touched = 0;
     };
-    Entry& entry_of(const MemoryId& memory);
+    Entry& entry_of(const MemoryId& memory) {
+        auto& by_index = states_[size_t(memory.kind)];
+        if (memory.index >= by_index.size()) by_index.resize(memory.index + 1);
+        auto& by_mip = by_index[memory.index];
+        if (memory.mip >= by_mip.size()) by_mip.resize(memory.mip + 1);
+        return by_mip[memory.mip];
+    }
 
     std::array<std::vector<std::vector<Entry>>, 2> states_;  ///< by kind, index and mip; grown on first use
     uint64_t mark_ = 1;

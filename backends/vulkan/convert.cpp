@@ -107,12 +107,15 @@ Sync to_vk(Access access, Stages stages) {
         sync.stages |= where;
         sync.access |= what;
     };
-    add(Access::indirect_read, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
-    add(Access::index_read, VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, VK_ACCESS_2_INDEX_READ_BIT);
     add(Access::uniform_read, shaders, VK_ACCESS_2_UNIFORM_READ_BIT);
     add(Access::sampled_read, shaders, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT);
     add(Access::storage_read, shaders, VK_ACCESS_2_SHADER_STORAGE_READ_BIT);
     add(Access::storage_write, shaders, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
+    constexpr Access by_shaders =
+        Access::uniform_read | Access::sampled_read | Access::storage_read | Access::storage_write;
+    if ((access | by_shaders) == by_shaders) return sync;  // as most are
+    add(Access::indirect_read, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT);
+    add(Access::index_read, VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, VK_ACCESS_2_INDEX_READ_BIT);
     add(Access::color_attachment, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
         VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT);
     add(Access::depth_attachment,
