@@ -31,8 +31,8 @@ struct Camera {
 };
 
 inline const glm::vec3 toward_sun = glm::normalize(glm::vec3(-0.6f, 1, 0.5f));
-inline constexpr glm::vec3 sun_irradiance{9, 8.4f, 7.5f};  ///< W/m² on a plane that faces it
-inline constexpr glm::vec3 sky_radiance{0.14f, 0.22f, 0.38f};
+inline constexpr glm::vec3 sun_irradiance{5.5f, 5.1f, 4.5f};  ///< W/m² on a plane that faces it
+inline constexpr glm::vec3 sky_radiance{0.1f, 0.17f, 0.32f};
 
 class Host {
   public:

@@ -119,6 +119,32 @@ TEST_F(AdoptGlTest, TheUnusualStateIsUnusualThroughout) {
     }
 }
 
+/// With no program in use, those of the pipeline object are, and their subroutines are reset as well.
+TEST_F(AdoptGlTest, SubroutinesOfAPipelineObjectAreKept) {
+    const char* vertex = R"(#version 450
+        out gl_PerVertex { vec4 gl_Position; };
+        subroutine vec4 Pick();
+        layout(index = 0) subroutine(Pick) vec4 first() { return vec4(1); }
+        layout(index = 1) subroutine(Pick) vec4 second() { return vec4(2); }
+        layout(location = 0) subroutine uniform Pick pick;
+        void main() { gl_Position = pick(); })";
+    GLuint pipeline = 0;
+    glCreateProgramPipelines(1, &pipeline);
+    glUseProgramStages(pipeline, GL_VERTEX_SHADER_BIT, glCreateShaderProgramv(GL_VERTEX_SHADER, 1, &vertex));
+    glBindProgramPipeline(pipeline);
+    const GLuint second = 1;
+    glUniformSubroutinesuiv(GL_VERTEX_SHADER, 1, &second);
+    {
+        Device device = must(adopt());
+        for (const Operation& operation : every_operation())
+            if (operation.name.starts_with("draw")) operation.run(device);
+    }
+    GLuint chosen = 0;
+    glGetUniformSubroutineuiv(GL_VERTEX_SHADER, 0, &chosen);
+    EXPECT_EQ(chosen, second);
+    EXPECT_EQ(glGetError(), GLenum(GL_NO_ERROR));
+}
+
 TEST_F(AdoptGlTest, AnOpenSubmissionGivesBackWhenTheDeviceGoes) {
     set_unusual_state();
     const embed::StateDump before = embed::dump_state();
