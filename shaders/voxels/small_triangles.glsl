@@ -35,11 +35,7 @@ void voxelize_along(Triangle t, int axis, Projection projection) {
 
 void voxelize_triangle(uint instance, uint triangle) {
     Triangle t = fetch_triangle(instance, triangle);
-    int columns = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        ivec2 size = project(t, axis).size;
-        columns += size.x * size.y;
-    }
+    int columns = columns_of(t);
     vec3 low = min(t.p[0], min(t.p[1], t.p[2])), high = max(t.p[0], max(t.p[1], t.p[2]));
     vec3 sides = (high - low) * float(voxel_units);
     bool small = columns <= small_columns && max(sides.x, max(sides.y, sides.z)) < float(small_side);

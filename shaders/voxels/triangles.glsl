@@ -25,11 +25,15 @@ struct Triangle {
     uint number;  // in all draws
     uint instance;
     uvec3 vertices;
-    vec3 p[3];  // corners, grid space
-    vec3 normal;  // not normalised
+    vec3 p[3];          // corners, grid space
+    ivec3 snapped[3];   // corners in units of 1 / voxel_units of a voxel
+    ivec3 first;        // along each axis, the least voxel whose centre the bounds have
+    ivec3 size;         // how many there are
+    vec3 normal;        // not normalised
     float doubled_area;
 };
 
+// By number among the draw's.
 Triangle fetch_triangle(uint instance, uint triangle) {
     Triangle t;
     t.instance = push.first_instance + instance;
@@ -39,16 +43,28 @@ Triangle fetch_triangle(uint instance, uint triangle) {
     VoxelGrid grid = VoxelGrid(push.grid_origin, push.voxels_per_metre);
     for (int i = 0; i < 3; ++i) {
         t.p[i] = grid_from_world(grid, world_from_object(t.instance, fetch_position(t.vertices[i])));
+        t.snapped[i] = ivec3(floor(clamp(t.p[i], -farthest_corner, farthest_corner) * float(voxel_units) + 0.5));
     }
+    ivec3 low = min(t.snapped[0], min(t.snapped[1], t.snapped[2]));
+    ivec3 high = max(t.snapped[0], max(t.snapped[1], t.snapped[2]));
+    const int half_voxel = voxel_units / 2;
+    t.first = max((low + (half_voxel - 1)) >> 8, ivec3(0));
+    t.size = max(min((high - half_voxel) >> 8, ivec3(push.resolution - 1u)) - t.first + 1, ivec3(0));
+    // Outside along one axis is outside of the grid.
+    if (any(lessThan(high, ivec3(0))) || any(greaterThan(low, ivec3(push.resolution) * voxel_units))) t.size = ivec3(0);
     precise vec3 normal = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
     t.normal = normal;
     t.doubled_area = length(normal);
     return t;
 }
 
+// Columns in the bounds of the three projections.
+int columns_of(Triangle t) { return t.size.x * t.size.y + t.size.y * t.size.z + t.size.z * t.size.x; }
+
 // The two axes that follow `axis` in cyclic order, and then the axis itself.
 vec3 projected(vec3 v, int axis) { return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v; }
 vec3 unprojected(vec3 v, int axis) { return axis == 0 ? v.zxy : axis == 1 ? v.yzx : v; }
+ivec2 across(ivec3 v, int axis) { return axis == 0 ? v.yz : axis == 1 ? v.zx : v.xy; }
 
 // The triangle as columns along one axis see it.
 struct Projection {
@@ -59,31 +75,19 @@ struct Projection {
 };
 
 Projection project(Triangle t, int axis) {
-    Projection projection;
-    vec3 lowest = vec3(farthest_corner), highest = vec3(-farthest_corner);
-    for (int i = 0; i < 3; ++i) {
-        vec3 p = clamp(projected(t.p[i], axis), -farthest_corner, farthest_corner);
-        lowest = min(lowest, p);
-        highest = max(highest, p);
-        projection.corner[i] = ivec2(floor(p.xy * float(voxel_units) + 0.5));
-    }
     float cosine = projected(t.normal, axis).z;
+    Projection projection;
     projection.turned = cosine < 0.0;
-    if (projection.turned) {
-        ivec2 corner = projection.corner[1];
-        projection.corner[1] = projection.corner[2];
-        projection.corner[2] = corner;
-    }
-    ivec2 low = min(projection.corner[0], min(projection.corner[1], projection.corner[2]));
-    ivec2 high = max(projection.corner[0], max(projection.corner[1], projection.corner[2]));
-    const int half_voxel = voxel_units / 2;
-    projection.first = max((low + (half_voxel - 1)) >> 8, ivec2(0));
-    projection.size = max(min((high - half_voxel) >> 8, ivec2(push.resolution - 1u)) - projection.first + 1, ivec2(0));
+    projection.corner[0] = across(t.snapped[0], axis);
+    ivec2 b = across(t.snapped[1], axis), c = across(t.snapped[2], axis);
+    projection.corner[1] = projection.turned ? c : b;
+    projection.corner[2] = projection.turned ? b : c;
+    projection.first = across(t.first, axis);
+    projection.size = across(t.size, axis);
     // A projection thinner than this covers no column's centre line, or none that another axis would not mark.
     // Written so that what is not a number is left out.
-    bool seen = abs(cosine) > 1e-4 * t.doubled_area && t.doubled_area < 1e30 && highest.z >= 0.0 &&
-                lowest.z < float(push.resolution);
-    if (!seen || projection.size.x * projection.size.y == 0) projection.size = ivec2(0);
+    bool seen = abs(cosine) > 1e-4 * t.doubled_area && t.doubled_area < 1e30;
+    if (!seen) projection.size = ivec2(0);
     return projection;
 }
 
