@@ -55,10 +55,7 @@ Result<Picture> read_picture(const std::filesystem::path& file) {
         return scene::read_exr(file).map(
             [](std::vector<scene::ExrLayer> layers) { return Picture{.layers = std::move(layers)}; });
     }
-    const bool display = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-    if (!display && extension != ".hdr")
-        return fail(ErrorKind::unsupported, scene::printable(file.string()), "is of no kind that is read",
-                    "give .png, .jpg, .hdr or .exr");
+    const bool display = extension != ".hdr";
     return scene::read_image_float(file).map([&](scene::ImageF image) {
         return Picture{.display = display, .layers = {{.image = std::move(image)}}};
     });

@@ -19,7 +19,7 @@ struct Picture {
     std::vector<scene::ExrLayer> layers = {};
 };
 
-/// .png or .jpg (display-referred), .hdr or .exr (linear). Errors: those of scene/image.hpp, unsupported.
+/// .hdr or .exr (linear), anything else as display-referred. Errors: those of scene/image.hpp.
 Result<Picture> read_picture(const std::filesystem::path& file);
 
 /// `display` goes to .png, layers to .exr. Errors: those of scene/image.hpp.
