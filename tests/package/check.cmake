@@ -39,7 +39,7 @@ if(SANITIZE)
     set(flags "-fsanitize=address,undefined")
 endif()
 run(${CMAKE_COMMAND} -S ${HOST} -B ${WORK}/build -G ${GENERATOR} -D CMAKE_PREFIX_PATH=${WORK}/moved
-    -D CMAKE_CXX_COMPILER=${COMPILER} "-D CMAKE_CXX_FLAGS=${flags}")
+    -D CMAKE_CXX_COMPILER=${COMPILER} -D "CMAKE_CXX_FLAGS=${flags}")
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/host)
 message(STATUS "${output}")
