@@ -4,9 +4,12 @@
 
 layout(binding = SUMS, r32ui) uniform uimage3D sums;
 
+// What was added is taken away exactly: integers wrap.
+uint signed_amount(uint amount) { return push.subtract != 0u ? 0u - amount : amount; }
+
 void add(ivec3 cell, int word, float value) {
     uint quantised = uint(value + 0.5);
-    if (quantised != 0u) imageAtomicAdd(sums, sum_texel(cell, word), quantised);
+    if (quantised != 0u) imageAtomicAdd(sums, sum_texel(cell, word), signed_amount(quantised));
 }
 
 void add_color(ivec3 cell, int first_word, vec3 color, float weight) {
@@ -94,10 +97,10 @@ void add_wide(ivec3 cell, int first_word, float value) {
     uint low = uint((scaled - whole) * 4294967296.0);
     uint high = uint(whole);
     if (low != 0u) {
-        uint before = imageAtomicAdd(sums, sum_texel(cell, first_word), low);
-        if (before + low < before) ++high;
+        uint before = imageAtomicAdd(sums, sum_texel(cell, first_word), signed_amount(low));
+        if (push.subtract != 0u ? before < low : before + low < before) ++high;
     }
-    if (high != 0u) imageAtomicAdd(sums, sum_texel(cell, first_word + 1), high);
+    if (high != 0u) imageAtomicAdd(sums, sum_texel(cell, first_word + 1), signed_amount(high));
 }
 
 void add_value(ivec3 cell, vec3 value, float weight, uint seed) {

@@ -29,6 +29,7 @@ void main() {
         uint number = large_list.data[push.first_large + entry];
         Triangle t = fetch_triangle(number / push.triangles, number % push.triangles);
         Projection projection = project(t, axis);
+        Surface s = fetch_surface(t);
         ivec2 edges[3];
         for (int i = 0; i < 3; ++i) edges[i] = projection.corner[(i + 1) % 3] - projection.corner[i];
 
@@ -51,7 +52,7 @@ void main() {
                 covered = covered && has_inside(edges[i], to);
                 inside[(i + 2) % 3] = float(edges[i].x) * float(to.y) - float(edges[i].y) * float(to.x);
             }
-            if (covered) keep_column(t, axis, column, inside, projection.turned);
+            if (covered) keep_column(t, s, axis, column, inside, projection.turned);
         }
     }
 }

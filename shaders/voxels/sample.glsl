@@ -42,15 +42,12 @@ vec4 combine(Seen seen, Facing facing) {
 }
 
 vec4 sample_directions(sampler3D directions, vec3 uvw, Facing facing, float lod, float resolution) {
-    // Half a texel of each level keeps neighbours in the atlas apart.
-    float level = floor(lod);
-    vec2 margin = min(exp2(vec2(level, level + 1.0)) / resolution, 0.5);
-    vec2 x = clamp(uvw.xx, margin, 1.0 - margin);
+    // Half a texel of the coarser level that is filtered keeps neighbours in the atlas apart.
+    float margin = exp2(ceil(lod)) / resolution;
+    float x = margin < 0.5 ? clamp(uvw.x, margin, 1.0 - margin) : 0.5;
     Seen seen;
     for (int axis = 0; axis < 3; ++axis) {
-        vec2 place = (float(facing.slots[axis]) + x) / 6.0;
-        seen.along[axis] = mix(textureLod(directions, vec3(place.x, uvw.yz), level),
-                               textureLod(directions, vec3(place.y, uvw.yz), level + 1.0), lod - level);
+        seen.along[axis] = textureLod(directions, vec3((float(facing.slots[axis]) + x) / 6.0, uvw.yz), lod);
     }
     return combine(seen, facing);
 }

@@ -10,7 +10,7 @@ layout(binding = LARGE_LIST, std430) writeonly buffer LargeList {
 
 layout(local_size_x = 64) in;
 
-void voxelize_along(Triangle t, int axis, Projection projection) {
+void voxelize_along(Triangle t, Surface s, int axis, Projection projection) {
     ivec2 start = center_of(projection.first);
     ivec2 along[3];
     ivec3 row;
@@ -25,7 +25,7 @@ void voxelize_along(Triangle t, int axis, Projection projection) {
         ivec3 edges = row;
         for (int x = 0; x < projection.size.x; ++x) {
             if ((edges.x | edges.y | edges.z) >= 0) {
-                keep_column(t, axis, projection.first + ivec2(x, y), vec3(edges.yzx) + 1.0, projection.turned);
+                keep_column(t, s, axis, projection.first + ivec2(x, y), vec3(edges.yzx) + 1.0, projection.turned);
             }
             edges += step_x;
         }
@@ -45,7 +45,8 @@ void voxelize_triangle(uint instance, uint triangle) {
         large_list.data[push.first_large + place] = instance * push.triangles + triangle;
     }
     if (columns > 0 && small) {
-        for (int axis = 0; axis < 3; ++axis) voxelize_along(t, axis, project(t, axis));
+        Surface s = fetch_surface(t);
+        for (int axis = 0; axis < 3; ++axis) voxelize_along(t, s, axis, project(t, axis));
     }
 }
 

@@ -96,9 +96,33 @@ bool holds(ivec2 edge) { return edge.y < 0 || (edge.y == 0 && edge.x > 0); }
 
 ivec2 center_of(ivec2 column) { return column * voxel_units + voxel_units / 2; }
 
-// What is left to know of a triangle once it covers a column. `inside`: barycentric coordinates, up to a factor, in the
-// order of Projection::corner.
-void keep_column(Triangle t, int axis, ivec2 column, vec3 inside, bool turned) {
+// What fragments of a triangle need beside its place; read once for all of its columns.
+struct Surface {
+    vec2 uv0[3];
+    vec2 uv1[3];
+    vec4 color[3];
+    vec2 uv_per_voxel;
+    vec3 facing;
+};
+
+Surface fetch_surface(Triangle t) {
+    Surface s;
+    for (int i = 0; i < 3; ++i) {
+        Vertex vertex = fetch_vertex(t.vertices[i]);
+        s.uv0[i] = vertex.uv0;
+        s.uv1[i] = vertex.uv1;
+        s.color[i] = vertex.color;
+    }
+    vec2 d0 = s.uv0[1] - s.uv0[0], e0 = s.uv0[2] - s.uv0[0];
+    vec2 d1 = s.uv1[1] - s.uv1[0], e1 = s.uv1[2] - s.uv1[0];
+    s.uv_per_voxel = sqrt(abs(vec2(d0.x * e0.y - d0.y * e0.x, d1.x * e1.y - d1.y * e1.x)) / t.doubled_area);
+    s.facing = t.normal / t.doubled_area * instance_handedness(t.instance);
+    return s;
+}
+
+// A column that the triangle covers. `inside`: barycentric coordinates, up to a factor, in the order of
+// Projection::corner.
+void keep_column(Triangle t, Surface s, int axis, ivec2 column, vec3 inside, bool turned) {
     vec3 normal = projected(t.normal, axis);
     vec3 anchor = projected(t.p[0], axis);
     float z1 = projected(t.p[1], axis).z, z2 = projected(t.p[2], axis).z;
@@ -109,19 +133,16 @@ void keep_column(Triangle t, int axis, ivec2 column, vec3 inside, bool turned) {
     if (!inside_grid(voxel, int(push.resolution))) return;
 
     vec3 weights = (turned ? inside.xzy : inside) / (inside.x + inside.y + inside.z);
-    Vertex a = fetch_vertex(t.vertices.x), b = fetch_vertex(t.vertices.y), c = fetch_vertex(t.vertices.z);
-    vec2 d0 = b.uv0 - a.uv0, e0 = c.uv0 - a.uv0;
-    vec2 d1 = b.uv1 - a.uv1, e1 = c.uv1 - a.uv1;
     VoxelFragment f;
     f.voxel = voxel;
     // A fragment of this projection stands for 1 / |n_axis| of area. Weighting by |n_axis|² makes the three
     // projections one estimate of the area: sum of n_axis² is 1.
     f.share = abs(normal.z) / t.doubled_area;
-    f.uv0 = weights.x * a.uv0 + weights.y * b.uv0 + weights.z * c.uv0;
-    f.uv1 = weights.x * a.uv1 + weights.y * b.uv1 + weights.z * c.uv1;
-    f.color = weights.x * a.color + weights.y * b.color + weights.z * c.color;
-    f.uv_per_voxel = sqrt(abs(vec2(d0.x * e0.y - d0.y * e0.x, d1.x * e1.y - d1.y * e1.x)) / t.doubled_area);
-    f.facing = t.normal / t.doubled_area * instance_handedness(t.instance);
+    f.uv0 = weights.x * s.uv0[0] + weights.y * s.uv0[1] + weights.z * s.uv0[2];
+    f.uv1 = weights.x * s.uv1[0] + weights.y * s.uv1[1] + weights.z * s.uv1[2];
+    f.color = weights.x * s.color[0] + weights.y * s.color[1] + weights.z * s.color[2];
+    f.uv_per_voxel = s.uv_per_voxel;
+    f.facing = s.facing;
     f.seed = fragment_seed(t.number, axis, column);
     keep_fragment(f);
 }

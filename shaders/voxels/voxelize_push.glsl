@@ -9,4 +9,5 @@ layout(push_constant) uniform Push {
     uint instances;
     uint draw;                // where this draw has its arguments and its part of the list of large triangles
     uint first_large;
+    uint subtract;            // 1: sums of integers lose what they were given
 } push;

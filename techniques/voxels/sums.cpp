@@ -115,7 +115,12 @@ Result<void> Sums::create_textures(rhi::Device& device, rhi::Extent cells) {
             .map([&](rhi::Texture made) { place = std::move(made); });
     };
     const bool exchanges = !is_order_free(settings_.range);
-    return texture("voxels.sums", Format::r32_uint, {cells.width * words, cells.height, cells.depth}, sums_)
+    const rhi::Extent extent{cells.width * words, cells.height, cells.depth};
+    return texture("voxels.sums", Format::r32_uint, extent, sums_[0])
+        .and_then([&]() -> Result<void> {
+            if (!settings_.keep || !settings_.emission) return {};
+            return texture("voxels.emission_sums", Format::r32_uint, extent, sums_[1]);
+        })
         .and_then([&] {
             return texture("voxels.exchanged", Format::r32_uint, exchanges ? cells : rhi::Extent{},
                            exchanged_);
@@ -158,18 +163,34 @@ void Sums::add(rhi::Commands& commands, const scene::GeometryView& geometry, con
     const auto [clear_name, name] = pass_names[emission];
     {
         rhi::Pass pass = commands.pass(clear_name);
-        pass.clear(sums_.view(), std::array<uint32_t, 4>{});
+        pass.clear(sums(emission).view(), std::array<uint32_t, 4>{});
         if (!is_order_free(settings_.range)) pass.clear(exchanged_.view(), std::array<uint32_t, 4>{});
         if (settings_.range == Range::mutex) pass.clear(floats_.view(), std::array<uint32_t, 4>{});
         if (!emission) pass.fill(dropped());
     }
     if (added_[emission]) {
-        added_[emission]->record(commands, name, geometry, grid, {view(sums_), lookup}, scale, wanted);
+        added_[emission]->record(commands, name, geometry, grid, {view(sums(emission)), lookup}, scale,
+                                 wanted);
     } else {
-        exchanged_by_[emission]->record(commands, name, geometry, grid,
-                                        {view(sums_), view(exchanged_), view(floats_), dropped(), lookup},
-                                        scale, wanted);
+        exchanged_by_[emission]->record(
+            commands, name, geometry, grid,
+            {view(sums(emission)), view(exchanged_), view(floats_), dropped(), lookup}, scale, wanted);
     }
+}
+
+void Sums::move(rhi::Commands& commands, const scene::GeometryView& before, const scene::GeometryView& after,
+                std::span<const uint32_t> draws, const Grid& grid, const CellLookup& lookup, bool emission,
+                float scale) {
+    const auto record = [&](const scene::GeometryView& geometry, Sign sign) {
+        const auto moved = [&](const scene::DrawView& draw) {
+            const auto index = uint32_t(&draw - geometry.draws.data());
+            return std::ranges::find(draws, index) != draws.end() && (!emission || draw.emits);
+        };
+        added_[emission]->record(commands, "voxels.move", geometry, grid, {view(sums(emission)), lookup},
+                                 scale, moved, sign);
+    };
+    record(before, Sign::subtract);
+    record(after, Sign::add);
 }
 
 void Sums::add_surfaces(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,

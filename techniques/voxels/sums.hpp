@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "rhi/rhi.hpp"
 #include "scene/gpu_scene.hpp"
@@ -62,6 +63,7 @@ struct SumsSettings {
     bool emission = false;     ///< some surface emits
     bool translucent = false;  ///< some surface is blended
     bool normals = false;      ///< surfaces' normals are summed as well
+    bool keep = false;         ///< sums of surfaces outlive those of emission, for move()
 };
 
 class Sums {
@@ -73,12 +75,18 @@ class Sums {
     /// Base colour, normals and opacity of all surfaces, in place of what was summed before.
     void add_surfaces(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
                       const CellLookup& lookup);
+    /// Moves the draws of these numbers from where `before` has them to where `after` has them, in what was added last;
+    /// the sums are then what adding all of `after` would make. `emission`: that, times `scale`, instead of surfaces. Of
+    /// an order-free range, kept.
+    void move(rhi::Commands& commands, const scene::GeometryView& before, const scene::GeometryView& after,
+              std::span<const uint32_t> draws, const Grid& grid, const CellLookup& lookup, bool emission,
+              float scale);
     /// Emission of those that emit, times `scale`, likewise.
     void add_emission(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
                       const CellLookup& lookup, float scale);
 
     // What shaders/voxels/means.glsl reads; layout: shaders/voxels/accumulator.glsl.
-    const rhi::Texture& sums() const { return sums_; }
+    const rhi::Texture& sums(bool emission = false) const { return sums_[emission && settings_.keep]; }
     const rhi::Texture& exchanged() const { return exchanged_; }
     const rhi::Texture& floats() const { return floats_; }
     /// uint32_t: writes that were given up since the last add_surfaces.
@@ -92,7 +100,8 @@ class Sums {
              const CellLookup& lookup, bool emission, float scale, const Wanted& wanted);
 
     SumsSettings settings_;
-    rhi::Texture sums_;       ///< layout: shaders/voxels/accumulator.glsl
+    rhi::Texture
+        sums_[2];  ///< layout: shaders/voxels/accumulator.glsl; the second for emission, if both are kept
     rhi::Texture exchanged_;  ///< one texel where the range exchanges nothing
     rhi::Texture floats_;     ///< one texel unless the range is mutex
     rhi::Buffer dropped_;

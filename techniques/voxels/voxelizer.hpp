@@ -24,7 +24,11 @@ struct Grid {
     glm::vec3 origin{0};   ///< corner, metres
     float voxel_size = 1;  ///< metres
     uint32_t resolution = 128;
+
+    bool operator==(const Grid&) const = default;
 };
+
+enum class Sign : uint8_t { add, subtract };
 
 /// What voxelizers are made for.
 struct VoxelizerNeeds {
@@ -82,11 +86,12 @@ class Voxelizer {
     static Result<Voxelizer> create(rhi::Device& device, VoxelizerKind kind, const VoxelizerNeeds& needs,
                                     const MakeOptions& options);
 
-    /// One pass: the draws that `wanted` is true for. Values of emission are multiplied by `emission_scale`.
+    /// One pass: the draws that `wanted` is true for. Values of emission are multiplied by `emission_scale`. Sums of
+    /// integers can be subtracted again, exactly.
     template <class Wanted>
     void record(rhi::Commands& commands, std::string_view pass_name, const scene::GeometryView& geometry,
-                const Grid& grid, const Destination& destination, float emission_scale,
-                const Wanted& wanted) const;
+                const Grid& grid, const Destination& destination, float emission_scale, const Wanted& wanted,
+                Sign sign = Sign::add) const;
 
   private:
     using Raster = typename Destination::Raster;
@@ -95,7 +100,7 @@ class Voxelizer {
 
     template <class P>
     static typename P::Push push_of(const Grid& grid, const scene::DrawView& draw, uint32_t index,
-                                    uint32_t first_triangle, float emission_scale) {
+                                    uint32_t first_triangle, float emission_scale, Sign sign) {
         return {.grid_origin = grid.origin,
                 .voxels_per_metre = 1 / grid.voxel_size,
                 .resolution = grid.resolution,
@@ -105,7 +110,8 @@ class Voxelizer {
                 .triangles = draw.index_count / 3,
                 .instances = draw.instances,
                 .draw = index,
-                .first_large = first_triangle};
+                .first_large = first_triangle,
+                .subtract = sign == Sign::subtract ? 1u : 0u};
     }
     static DrawSources sources_of(const scene::GeometryView& geometry, const scene::DrawView& draw) {
         const scene::MaterialTextures& textures = geometry.textures[draw.material];
@@ -173,7 +179,7 @@ template <class Wanted>
 void Voxelizer<Destination>::record(rhi::Commands& commands, std::string_view pass_name,
                                     const scene::GeometryView& geometry, const Grid& grid,
                                     const Destination& destination, float emission_scale,
-                                    const Wanted& wanted) const {
+                                    const Wanted& wanted, Sign sign) const {
     const auto is_masked = [](const scene::DrawView& draw) {
         return draw.alpha_mode == scene::AlphaMode::mask;
     };
@@ -187,7 +193,7 @@ void Voxelizer<Destination>::record(rhi::Commands& commands, std::string_view pa
                 pass.emplace(commands.raster_pass(pass_name, {.extent = {side, side, 1}}));
             }
             pass->draw(raster_[is_masked(draw)], destination.raster(sources_of(geometry, draw)),
-                       push_of<Raster>(grid, draw, 0, 0, emission_scale),
+                       push_of<Raster>(grid, draw, 0, 0, emission_scale, sign),
                        rhi::Draw{.vertices = draw.index_count, .instances = draw.instances * 3});
         }
         return;
@@ -211,13 +217,13 @@ void Voxelizer<Destination>::record(rhi::Commands& commands, std::string_view pa
             if (large_ones) {
                 pass.dispatch_indirect(large_[is_masked(draw)],
                                        destination.template compute<Large>(sources, large),
-                                       push_of<Large>(grid, draw, i, first_triangle, emission_scale),
+                                       push_of<Large>(grid, draw, i, first_triangle, emission_scale, sign),
                                        large_arguments_.slice(i * sizeof(LargeArguments), 12), true);
             } else {
                 rhi::Groups groups = triangle_groups(draw.index_count / 3, draw.instances);
                 groups.unordered = true;
                 pass.dispatch(small_[is_masked(draw)], destination.template compute<Small>(sources, large),
-                              push_of<Small>(grid, draw, i, first_triangle, emission_scale), groups);
+                              push_of<Small>(grid, draw, i, first_triangle, emission_scale, sign), groups);
             }
             first_triangle += triangles;
         }

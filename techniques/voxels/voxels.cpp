@@ -155,7 +155,8 @@ Result<void> Volume::create_pipelines(rhi::Device& device) {
                                       .octree_levels = octree_levels(),
                                       .emission = needs_.emission,
                                       .translucent = needs_.translucent,
-                                      .normals = needs_.normals},
+                                      .normals = needs_.normals,
+                                      .keep = settings_.moving},
                                      voxelizer_needs(needs_), cells_)
                             .map(keep(sums_));
     if (made) {
@@ -201,25 +202,44 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
     }
     const CellLookup lookup{nodes(), records()};
     sums_->add_surfaces(commands, geometry, grid_, lookup);
-    {
-        rhi::Pass pass = commands.pass("voxels.resolve");
-        for (const rhi::Texture* texture : {&albedo_, &area_, &normal_}) pass.clear(texture->view());
-        pass.dispatch(resolve_,
-                      {.sums = sums_->sums().mip<Dimension::d3>(0),
-                       .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
-                       .floats = sums_->floats().mip<Dimension::d3>(0),
-                       .albedo = albedo_.mip<Dimension::d3>(0),
-                       .area = area_.mip<Dimension::d3>(0),
-                       .normal = normal_.mip<Dimension::d3>(0)},
-                      {}, cell_groups());
-    }
+    resolve_surfaces(commands);
     if (!needs_.emission) return;
-
     sums_->add_emission(commands, geometry, grid_, lookup, 1 / emission_unit_);
+    resolve_emission(commands);
+}
+
+void Volume::move(rhi::Commands& commands, const scene::GeometryView& before,
+                  const scene::GeometryView& after, std::span<const uint32_t> draws, float max_emission) {
+    if (octree_ || !is_order_free(settings_.range) || fit_grid(after.bounds, settings_.resolution) != grid_) {
+        voxelize(commands, after, max_emission);
+        return;
+    }
+    const CellLookup lookup{nodes(), records()};
+    sums_->move(commands, before, after, draws, grid_, lookup, false, 0);
+    resolve_surfaces(commands);
+    if (!needs_.emission) return;
+    sums_->move(commands, before, after, draws, grid_, lookup, true, 1 / emission_unit_);
+    resolve_emission(commands);
+}
+
+void Volume::resolve_surfaces(rhi::Commands& commands) {
+    rhi::Pass pass = commands.pass("voxels.resolve");
+    for (const rhi::Texture* texture : {&albedo_, &area_, &normal_}) pass.clear(texture->view());
+    pass.dispatch(resolve_,
+                  {.sums = sums_->sums().mip<Dimension::d3>(0),
+                   .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
+                   .floats = sums_->floats().mip<Dimension::d3>(0),
+                   .albedo = albedo_.mip<Dimension::d3>(0),
+                   .area = area_.mip<Dimension::d3>(0),
+                   .normal = normal_.mip<Dimension::d3>(0)},
+                  {}, cell_groups());
+}
+
+void Volume::resolve_emission(rhi::Commands& commands) {
     rhi::Pass pass = commands.pass("voxels.emission");
     pass.clear(light_cells(emission_));
     pass.dispatch(resolve_emission_,
-                  {.sums = sums_->sums().mip<Dimension::d3>(0),
+                  {.sums = sums_->sums(true).mip<Dimension::d3>(0),
                    .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
                    .floats = sums_->floats().mip<Dimension::d3>(0),
                    .albedo = albedo_.mip<Dimension::d3>(0),

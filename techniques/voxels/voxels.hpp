@@ -34,6 +34,7 @@ struct Settings {
     VoxelizerKind voxelizer = VoxelizerKind::compute;
     Storage storage = Storage::dense;
     Range range = Range::ldr;
+    bool moving = false;  ///< move() is called: what it needs is kept from frame to frame
 
     /// log2 of the resolution; 0: a dense volume.
     int32_t octree_levels() const;
@@ -76,6 +77,11 @@ class Volume {
     /// Fills albedo, area, normal and emission from geometry. `max_emission` is the highest radiance of any
     /// emitter, W/m²/sr.
     void voxelize(rhi::Commands& commands, const scene::GeometryView& geometry, float max_emission);
+    /// As voxelize() of `after`, bit by bit, where only the draws of these numbers differ from `before`, which is what was
+    /// last voxelized: they alone are voxelized, out of the old place and into the new one. All are where the grid
+    /// changes with the bounds, in an octree, and where the range is not order-free. Of a volume that is moving.
+    void move(rhi::Commands& commands, const scene::GeometryView& before, const scene::GeometryView& after,
+              std::span<const uint32_t> draws, float max_emission);
     /// Fills the radiance with what the lights' shadow maps saw, or with opacity alone, and makes its mips.
     void inject(rhi::Commands& commands, const shadow::View* lights);
 
@@ -89,7 +95,6 @@ class Volume {
     /// What a program that runs once per cell writes of such a light; spread() takes it from there.
     rhi::View<rhi::Dimension::d3> light_cells(const LightVolume& light) const;
     /// Every level of a light from its cells.
-    void light(rhi::Commands& commands, const shadow::View& lights);
     void spread(rhi::Pass& pass, const LightVolume& light) const;
     int32_t octree_levels() const;  ///< log2 of the resolution; 0: a dense volume
     rhi::Extent cells() const { return cells_; }
@@ -115,6 +120,9 @@ class Volume {
     const LightVolume& emission() const { return emission_; }  ///< empty where nothing emits
 
   private:
+    void resolve_surfaces(rhi::Commands& commands);
+    void resolve_emission(rhi::Commands& commands);
+    void light(rhi::Commands& commands, const shadow::View& lights);
     Result<void> create_octree(rhi::Device& device);
     Result<void> create_textures(rhi::Device& device);
     Result<void> create_pipelines(rhi::Device& device);
