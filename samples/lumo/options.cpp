@@ -165,7 +165,13 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
                     frame.cones.count = int(count);
                 });
             });
-    setting("--apertures", "uniform", "uniform", "of the cones", only("uniform"));
+    setting("--apertures", "uniform|nonuniform", "uniform",
+            "of the cones: all the same, or as wide as each ring has room for",
+            one_of<cones::Apertures>(&frame.cones.apertures, {{"uniform", cones::Apertures::uniform},
+                                                              {"nonuniform", cones::Apertures::nonuniform}}));
+    setting("--rotate-cones", "on|off", "off",
+            "turned about the normal from pixel to pixel: a fine pattern instead of broad bands",
+            one_of<bool>(&frame.cones.turned, {{"on", true}, {"off", false}}));
     setting("--bounces", "N", fmt::to_string(frame.bounces),
             "light is reflected at most N times before the visible surface reflects it",
             [&](const std::string& text) -> Result<void> {
@@ -179,7 +185,7 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
             one_of<bool>(&frame.diffuse_materials, {{"pbr", false}, {"diffuse", true}}));
     setting(
         "--layer", "NAMES", "final",
-        "final, radiance, direct, indirect, irradiance, emission, albedo, normal, depth, voxels; several by "
+        "final, radiance, direct, indirect, irradiance, specular, emission, albedo, normal, depth, voxels; several by "
         "commas into one EXR, where final is the radiance without a layer's name",
         into(frame.layers, parse_layers));
     setting("--plan", "auto|full", "auto", "full: nothing is left out of the frame",

@@ -6,8 +6,9 @@ const int gather_binding = 5;
 #include "cones/gather.glsl"
 
 // A group takes a block of cells and gathers for those that hold surfaces, which are few, side by side.
-const ivec3 block_log2 = octree_levels > 0 ? ivec3(6, 3, 0) : ivec3(3);
 const int block_size = 512;
+// No constant: a vector chosen by a specialization constant comes out wrong on some drivers.
+ivec3 block_log2() { return octree_levels > 0 ? ivec3(6, 3, 0) : ivec3(3); }
 layout(local_size_x = 64) in;
 
 layout(push_constant) uniform Push {
@@ -34,9 +35,9 @@ ivec3 voxel_of(ivec3 cell) {
 }
 
 ivec3 cell_in_block(uint place) {
-    ivec3 corner = ivec3(gl_WorkGroupID) << block_log2;
-    ivec3 offsets = ivec3(place) >> ivec3(0, block_log2.x, block_log2.x + block_log2.y);
-    return corner + (offsets & (ivec3(1) << block_log2) - 1);
+    ivec3 bits = block_log2();
+    ivec3 offsets = ivec3(place) >> ivec3(0, bits.x, bits.x + bits.y);
+    return (ivec3(gl_WorkGroupID) << bits) + (offsets & (ivec3(1) << bits) - 1);
 }
 
 void reflect_from(ivec3 cell) {
@@ -49,8 +50,10 @@ void reflect_from(ivec3 cell) {
     // Where a voxel's surfaces face opposite ways the mean says nothing, and both sides count.
     int sides = agreement > 0.25 ? 1 : 2;
     vec3 side = agreement > 0.25 ? facing / agreement : vec3(0, 1, 0);
+    uvec3 place = uvec3(voxel_of(cell));
+    uint turn = turn_of(place.xy) + turn_of(place.yz) + turn_of(place.zx);
     for (int i = 0; i < sides; ++i) {
-        irradiance += gather_irradiance(vec3(voxel_of(cell)) + 0.5, side, side) / float(sides);
+        irradiance += gather_irradiance(vec3(voxel_of(cell)) + 0.5, side, side, turn) / float(sides);
         side = -side;
     }
     imageStore(radiance, cell, vec4(surface.rgb / pi * irradiance * push.radiance_scale, 1) * surface.a);

@@ -23,23 +23,25 @@ layout(binding = gather_binding + 4, std140) uniform Gather {
     float radiance_unit;     // radiance = stored * radiance_unit, W/m²/sr
     float emission_unit;
     int cone_count;
-    float tan_half_aperture;
+    uint turned;             // 1: cones are turned about the normal from place to place
     vec3 environment;        // radiance, W/m²/sr
     float resolution;        // voxels a side
-    vec4 cones[max_cones];   // xyz: direction about +z; w: share of the irradiance of a constant environment
+    vec4 cones[max_cones];   // xy: of the direction about +z; z: tangent of the half-angle; w: share of the irradiance of
+                             // a constant environment
 } gather;
 layout(binding = gather_binding + 5, std140) uniform Emitters { EMITTER_BLOCK } emitters;
 
-// The trilinear filter reaches a whole voxel to each side: voxels of half the cone's diameter keep it inside the cone,
-// and so off the surface that the cone starts from.
-const float voxel_per_diameter = 0.5;
-const float step_per_diameter = 0.5;
+// The filter reaches a whole voxel to each side, voxels are as wide again, and every other one comes from the level
+// above: voxels of a quarter of the cone's diameter see just the cone, and so not the surface that it starts from.
+const float voxel_per_diameter = 0.25;
+const float step_per_diameter = 0.25;
+const float least_step = 1.0;  // voxels
 
 // A cone ends when less than this part of the light behind gets through.
 const float min_transmittance = 0.01;
 
-// Radiance from a cone. Origin in grid space, `start` in voxels.
-vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start) {
+// Radiance from a cone, with this part of what emits. Origin in grid space, `start` in voxels.
+vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start, float emitted_part) {
     vec3 radiance = vec3(0);
     float transmittance = 1.0;
     Facing facing = facing_of(direction);
@@ -48,20 +50,21 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
     // One exit: Mesa's GLSL compiler goes wrong on a loop that leaves its function from the middle.
     while (transmittance >= min_transmittance && all(greaterThanEqual(position, vec3(0))) &&
            all(lessThanEqual(position, vec3(gather.resolution)))) {
-        float diameter = max(2.0 * tan_half_aperture * distance, 1.0);
-        float stride = step_per_diameter * diameter;
-        float lod = max(log2(voxel_per_diameter * diameter), 0.0);
+        float diameter = 2.0 * tan_half_aperture * distance;
+        float stride = max(step_per_diameter * diameter, least_step);
+        float voxel = max(voxel_per_diameter * diameter, 1.0);
+        float lod = log2(voxel);
         vec3 uvw = position / gather.resolution;
         vec4 stored = sample_volume(voxel_radiance, voxel_radiance_directions, uvw, facing, lod, gather.resolution);
         if (stored.a > 0.0) {
             vec3 leaving = gather_reflected ? stored.rgb * gather.radiance_unit : vec3(0);
-            if (gather_emission && emitters.share < 1.0) {
-                leaving += (1.0 - emitters.share) * sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod,
+            if (gather_emission && emitted_part > 0.0) {
+                leaving += emitted_part * sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod,
                                          gather.resolution).rgb *
                            gather.emission_unit;
             }
             // Opacity is per voxel of path.
-            float opacity = 1.0 - pow(max(1.0 - stored.a, 0.0), stride / exp2(lod));
+            float opacity = 1.0 - pow(max(1.0 - stored.a, 0.0), stride / voxel);
             radiance += transmittance * leaving * (opacity / stored.a);
             transmittance *= 1.0 - opacity;
         }
@@ -157,16 +160,29 @@ mat3 frame_about(vec3 n) {
     return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
 }
 
+// Which of 16 turns a place of a 4 x 4 pattern has: a Bayer matrix, so that neighbours differ most.
+uint turn_of(uvec2 place) {
+    uint x = place.x ^ place.y;
+    return (x & 1u) << 3 | (place.y & 1u) << 2 | (x & 2u) | (place.y & 2u) >> 1;
+}
+
 // Irradiance on a surface, W/m². `position` in grid space. `geometric_normal` lifts the cones off the voxels of their
-// own surface, `normal` is the hemisphere's axis; both unit length.
-vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
+// own surface, `normal` is the hemisphere's axis; both unit length. `turn`: as turn_of.
+vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal, uint turn) {
     // The surface's own voxels reach one voxel from it, the filter half of one more.
     vec3 origin = position + geometric_normal;
     mat3 frame = frame_about(normal);
+    float angle = float(turn & 15u) * float(gather.turned) * (2.0 * pi / 16.0);
+    float c = cos(angle);
+    float s = sin(angle);
+    frame = mat3(c * frame[0] + s * frame[1], c * frame[1] - s * frame[0], frame[2]);
+    float emitted_part = gather_emission ? 1.0 - emitters.share : 0.0;
     vec3 sum = vec3(0);
-    bool light = gather_reflected || gather_environment || (gather_emission && emitters.share < 1.0);
+    bool light = gather_reflected || gather_environment || emitted_part > 0.0;
     for (int i = 0; light && i < gather.cone_count; ++i) {
-        sum += gather.cones[i].w * trace_cone(origin, frame * gather.cones[i].xyz, gather.tan_half_aperture, 1.0);
+        vec4 cone = gather.cones[i];
+        vec3 direction = vec3(cone.xy, sqrt(max(1.0 - dot(cone.xy, cone.xy), 0.0)));
+        sum += cone.w * trace_cone(origin, frame * direction, cone.z, 1.0, emitted_part);
     }
     sum *= pi;
     if (gather_emission) sum += emitter_irradiance(position, geometric_normal, normal);

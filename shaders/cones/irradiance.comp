@@ -22,7 +22,7 @@ void main() {
     if (pixel_depth < 1.0 && geometric_normal != vec3(0)) {
         gathered = gather_irradiance(gather_position(world_from_pixel(vec2(pixel) + 0.5, pixel_depth)),
                                      geometric_normal,
-                                     unit(texelFetch(normal_roughness, pixel, 0).xyz));
+                                     unit(texelFetch(normal_roughness, pixel, 0).xyz), turn_of(uvec2(pixel)));
     }
     imageStore(irradiance, pixel, vec4(gathered, 1));
 }

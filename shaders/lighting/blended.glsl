@@ -47,7 +47,7 @@ void main() {
         radiance += reflect_lights(surface, position, geometric_normal, normal, diffuse_materials);
 #ifdef INDIRECT
     radiance += surface.diffuse / pi * occlusion *
-                gather_irradiance(gather_position(position), geometric_normal, normal);
+                gather_irradiance(gather_position(position), geometric_normal, normal, turn_of(uvec2(gl_FragCoord.xy)));
 #endif
     out_radiance = vec4(radiance, base_color.a);
 }

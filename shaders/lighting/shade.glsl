@@ -1,5 +1,5 @@
-// Radiance toward the eye at every pixel of the G-buffer: reflected light of the analytic lights, reflected indirect
-// light, emission, and the environment where nothing is.
+// Radiance toward the eye at every pixel of the G-buffer: reflected light of the analytic lights, indirect light
+// reflected by the diffuse lobe and by the specular one, emission, and the environment where nothing is.
 #define CAMERA 7
 #define SHADOW_MAPS 6
 #define LIGHTS 8
@@ -11,6 +11,7 @@ layout(constant_id = 0) const bool analytic_lights = false;
 layout(constant_id = 1) const bool indirect_light = false;
 layout(constant_id = 2) const bool emission = false;
 layout(constant_id = 3) const bool diffuse_materials = false;
+layout(constant_id = 4) const bool specular_light = false;
 
 layout(push_constant) uniform Push {
     vec3 environment;  // radiance from outside the scene, W/m²/sr
@@ -27,6 +28,7 @@ layout(binding = 9, rgba32f) writeonly uniform image2D out_radiance;
 layout(binding = 10, rgba32f) writeonly uniform image2D out_direct;
 layout(binding = 11, rgba32f) writeonly uniform image2D out_indirect;
 #endif
+layout(binding = 12) uniform sampler2D specular_target;
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -35,6 +37,7 @@ void main() {
     float pixel_depth = texelFetch(depth, pixel, 0).x;
     vec3 direct = vec3(0);
     vec3 indirect = vec3(0);
+    vec3 specular = vec3(0);
     vec3 unreflected = vec3(0);
     if (pixel_depth == 1) {
         unreflected = push.environment;
@@ -53,9 +56,10 @@ void main() {
             }
             if (indirect_light)
                 indirect = surface.diffuse / pi * geometric.w * texelFetch(irradiance, pixel, 0).rgb;
+            if (specular_light) specular = texelFetch(specular_target, pixel, 0).rgb;
         }
     }
-    imageStore(out_radiance, pixel, vec4(direct + indirect + unreflected, 1));
+    imageStore(out_radiance, pixel, vec4(direct + indirect + specular + unreflected, 1));
 #ifdef LAYERS
     imageStore(out_direct, pixel, vec4(direct, 1));
     imageStore(out_indirect, pixel, vec4(indirect, 1));

@@ -15,7 +15,7 @@ namespace lumo::bounce {
 struct Settings {
     uint32_t bounces =
         1;  ///< reflections before the light reaches the surface that the camera sees, at least 1
-    int cones = 9;
+    cones::Settings cones = {};
 };
 
 /// What lights the scene beside the sun.

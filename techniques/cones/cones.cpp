@@ -9,7 +9,7 @@ using rhi::Dimension;
 Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& settings, const Needs& needs,
                                       rhi::Extent size) {
     Irradiance made;
-    made.distribution_ = distribute(settings.count);
+    made.distribution_ = distribute(settings);
     made.size_ = size;
     return device
         .create_texture({.name = "cones.irradiance",

@@ -11,10 +11,6 @@
 
 namespace lumo::cones {
 
-struct Settings {
-    int count = 9;  ///< 1 to max_cones
-};
-
 class Irradiance {
   public:
     /// Makes a target of the size. Errors: those of the device.

@@ -1,6 +1,7 @@
 // Cones that share out a hemisphere.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <vector>
 
@@ -10,19 +11,42 @@ inline constexpr int max_cones = 32;
 
 struct Cone {
     glm::vec3 direction{0, 0, 1};  ///< unit length, about +z
+    float half_angle = 0;          ///< radians
     float weight = 1;              ///< share of the irradiance of a constant environment; all add to 1
 };
 
+/// `uniform`: all cones are as wide. `nonuniform`: those of a ring are, and rings fill what is between the pole and the
+/// horizon. At three cones both are the same.
+enum class Apertures : uint8_t { uniform, nonuniform };
+
+/// The cones, on concentric rings: circles packed on the hemisphere after Appelbaum & Weiss (1999), which touch, do not
+/// overlap and stay above the horizon. Cones are traced as wide as their circles: wider ones would meet the surface that
+/// they start from. At most 75 degrees to a side, which only one cone reaches.
 struct Distribution {
     std::vector<Cone> cones;
-    /// Radians, of the packed circles: they touch, do not overlap and stay above the horizon. Cones are traced this
-    /// wide: wider ones would meet the surface that they start from. At most 75 degrees, which only one cone reaches.
-    float half_angle = 0;
+    bool turned = false;  ///< about the normal, by one of 16 angles, from pixel to pixel and voxel to voxel
 };
 
-/// `count` cones, 1 to max_cones, on concentric rings: equal circles packed on the hemisphere after Appelbaum
-/// & Weiss (1999), as wide as they fit. A ring's cones share its zone's part of the cosine, which is sin²
-/// between the polar angles that bound it, so a constant environment gives exactly its irradiance.
-Distribution distribute(int count);
+/// The cones of a ring weigh the same. Weights add to 1, so a constant environment gives
+/// exactly its irradiance; within that they are those, none negative, that come nearest to the cosine's zonal harmonics
+/// 1 and 2, as seen through cones of their widths.
+struct Settings {
+    int count = 9;  ///< 1 to max_cones; what is beyond counts as these
+    Apertures apertures = Apertures::uniform;
+    bool turned = false;
+};
+Distribution distribute(const Settings& settings);
+
+/// How far a set's irradiance is from the cosine law, for a distant disk of light of 30 degrees to a side: (estimate -
+/// truth) / truth, without what a surface would hide. Each cone takes the mean radiance of its solid angle. The disk's
+/// centre is at the zenith, at the horizon, or anywhere in steps of zenith angle and azimuth (with rotation: the mean
+/// over azimuth, which is what a cone set turned differently in each pixel gives).
+struct DirectionalError {
+    double zenith = 0;
+    double horizon = 0;  ///< mean over azimuth
+    double rms = 0;      ///< over directions of equal solid angle
+    double max = 0;      ///< largest magnitude
+};
+DirectionalError directional_error(const Distribution& distribution, bool rotated);
 
 }  // namespace lumo::cones

@@ -13,11 +13,13 @@ GatherBlock gather_block(const Distribution& distribution, const Source& source)
     block.radiance_unit = volume.radiance_unit;
     block.emission_unit = volume.emission_unit;
     block.cone_count = int32_t(distribution.cones.size());
-    block.tan_half_aperture = std::tan(distribution.half_angle);
+    block.turned = distribution.turned ? 1 : 0;
     block.environment = source.environment;
     block.resolution = float(volume.grid.resolution);
     for (size_t i = 0; i < distribution.cones.size(); ++i) {
-        block.cones[i] = glm::vec4(distribution.cones[i].direction, distribution.cones[i].weight);
+        const Cone& cone = distribution.cones[i];
+        block.cones[i] =
+            glm::vec4(cone.direction.x, cone.direction.y, std::tan(cone.half_angle), cone.weight);
     }
     return block;
 }

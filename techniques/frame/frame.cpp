@@ -65,7 +65,7 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
     if (made && plan.needs("voxels.bounce")) {
         made = keep(
             bounce::Bounce::create(
-                device, {.bounces = settings.bounces, .cones = settings.cones.count},
+                device, {.bounces = settings.bounces, .cones = settings.cones},
                 {.emission = emission, .environment = environment, .several_lights = facts.several_lights},
                 *frame.volume_),
             frame.bounce_);
@@ -74,10 +74,14 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
         made = keep(cones::Irradiance::create(device, settings.cones, gather_needs, settings.size),
                     frame.irradiance_);
     }
+    const bool specular = plan.needs("cones.specular") && !settings.diffuse_materials;
+    if (made && specular)
+        made = keep(cones::Specular::create(device, gather_needs, settings.size), frame.specular_);
     if (made) {
         lighting::Needs needs = lighting::blend_needs_of(geometry);
         needs.lights = plan.needs("shadow");
         needs.indirect = plan.needs("cones");
+        needs.specular = specular;
         needs.emission = gbuffer_needs.emission;
         needs.layers = settings.wants(Layer::direct) || settings.wants(Layer::indirect);
         needs.blend = frame.blend_ = plan.needs("blend");
@@ -112,13 +116,16 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
     }
 
     std::optional<cones::Gather> gather;
-    if (source && blend_) {
+    if (source && (blend_ || specular_)) {
         gather =
             cones::make_gather(commands, irradiance_->distribution(), *source, irradiance_->volume_sampler());
     }
+    std::optional<rhi::View<rhi::Dimension::d2>> specular;
+    if (specular_ && gather) specular = specular_->record(commands, gbuffer, *gather, *irradiance);
     const lighting::View lit = lighting_->record(commands, {.gbuffer = gbuffer,
                                                             .lights = lights,
                                                             .irradiance = irradiance,
+                                                            .specular = specular,
                                                             .gather = gather,
                                                             .environment = inputs.environment_radiance,
                                                             .geometry = inputs.geometry,
@@ -129,6 +136,7 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
                                .direct = lit.direct,
                                .indirect = lit.indirect,
                                .irradiance = irradiance,
+                               .specular = specular,
                                .volume = source ? std::optional(source->volume) : std::nullopt,
                                .volume_emits = emission_});
     if (post_) post_->record(commands, lit.radiance);

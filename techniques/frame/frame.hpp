@@ -8,6 +8,7 @@
 #include "scene/gpu_scene.hpp"
 #include "techniques/bounce/bounce.hpp"
 #include "techniques/cones/cones.hpp"
+#include "techniques/cones/specular.hpp"
 #include "techniques/frame/layers.hpp"
 #include "techniques/frame/plan.hpp"
 #include "techniques/frame/settings.hpp"
@@ -54,6 +55,7 @@ class Frame {
     std::optional<cones::Emitters> emitters_;
     std::optional<bounce::Bounce> bounce_;
     std::optional<cones::Irradiance> irradiance_;
+    std::optional<cones::Specular> specular_;
     std::optional<lighting::Lighting> lighting_;
     std::optional<Layers> layers_;
     std::optional<post::Post> post_;

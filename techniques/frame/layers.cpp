@@ -86,6 +86,9 @@ void Layers::record(rhi::Commands& commands, const LayerSources& sources) {
             case Layer::irradiance:
                 copy(pass, layer, sources.irradiance, sources);
                 break;
+            case Layer::specular:
+                copy(pass, layer, sources.specular, sources);
+                break;
             case Layer::emission:
                 copy(pass, layer, sources.gbuffer.emission, sources);
                 break;

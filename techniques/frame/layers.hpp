@@ -21,6 +21,7 @@ struct LayerSources {
     std::optional<rhi::View<rhi::Dimension::d2>> direct;
     std::optional<rhi::View<rhi::Dimension::d2>> indirect;
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance;
+    std::optional<rhi::View<rhi::Dimension::d2>> specular;
     std::optional<voxels::View> volume;
     bool volume_emits = false;
 };

@@ -87,6 +87,10 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
     decide("cones", gi, fmt::format("{} cones a pixel", settings.cones.count), no_gi);
     decide("cones.emitters", gi && facts.emission, "small emitters are lit by one by one",
            gi ? "no material emits" : no_gi);
+    decide("cones.specular", gi && facts.specular, "materials have a specular lobe",
+           !gi                          ? no_gi
+           : settings.diffuse_materials ? "materials are taken as diffuse"
+                                        : "every material is unlit");
     decide("cones.environment", gi && facts.environment, "light comes from outside the scene",
            gi ? "the environment is black" : no_gi);
     decide("lighting", true, "every pixel has a radiance", "");

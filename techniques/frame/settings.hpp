@@ -18,10 +18,11 @@ namespace lumo::frame {
 /// The pictures that a frame can hand out. All but final are linear and unexposed.
 enum class Layer : uint8_t {
     final,       ///< display-referred, rgba8_unorm
-    radiance,    ///< direct + indirect + emission, W/m²/sr
+    radiance,    ///< direct + indirect + specular + emission, W/m²/sr
     direct,      ///< reflected light of analytic lights
     indirect,    ///< reflected light that cones gathered
     irradiance,  ///< what indirect reflects, W/m²
+    specular,    ///< indirect light that the specular lobe reflects
     emission,
     albedo,
     normal,  ///< shading normal, world space

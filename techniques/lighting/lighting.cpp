@@ -73,7 +73,8 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
             .create_compute_pipeline<P>({.analytic_lights = needs.lights,
                                          .indirect_light = needs.indirect,
                                          .emission = needs.emission,
-                                         .diffuse_materials = needs.diffuse_materials})
+                                         .diffuse_materials = needs.diffuse_materials,
+                                         .specular_light = needs.specular})
             .map([&](rhi::ComputePipeline<P> shade) { pipeline = std::move(shade); });
     };
     if (needs.layers) {
@@ -174,19 +175,20 @@ View Lighting::record(rhi::Commands& commands, const Inputs& inputs) {
         rhi::Pass pass = commands.pass("lighting.shade");
         const auto emission = sampled(g.emission.value_or(g.base_color_metallic));
         const auto irradiance = sampled(inputs.irradiance.value_or(g.base_color_metallic));
+        const auto specular = sampled(inputs.specular.value_or(g.base_color_metallic));
         if (needs_.layers) {
             view.direct = direct_.view<Dimension::d2>();
             view.indirect = indirect_.view<Dimension::d2>();
             pass.dispatch(shade_layers_,
                           {sampled(g.depth), sampled(g.base_color_metallic), sampled(g.normal_roughness),
                            sampled(g.geometric_normal_occlusion), emission, irradiance, lights.shadow_maps,
-                           g.camera, lights.block, view.radiance, *view.direct, *view.indirect},
+                           g.camera, lights.block, view.radiance, *view.direct, *view.indirect, specular},
                           {.environment = inputs.environment}, groups);
         } else {
             pass.dispatch(shade_,
                           {sampled(g.depth), sampled(g.base_color_metallic), sampled(g.normal_roughness),
                            sampled(g.geometric_normal_occlusion), emission, irradiance, lights.shadow_maps,
-                           g.camera, lights.block, view.radiance},
+                           g.camera, lights.block, view.radiance, specular},
                           {.environment = inputs.environment}, groups);
         }
     }

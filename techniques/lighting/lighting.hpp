@@ -21,6 +21,7 @@ namespace lumo::lighting {
 struct Needs {
     bool lights = false;              ///< there are analytic lights
     bool indirect = false;            ///< there is irradiance of indirect light
+    bool specular = false;            ///< there is indirect light of the specular lobe
     bool emission = false;            ///< the G-buffer has the target of emission
     bool layers = false;              ///< direct and indirect radiance are wanted by themselves
     bool blend = false;               ///< some surface is blended
@@ -37,7 +38,9 @@ struct Inputs {
     gbuffer::View gbuffer;
     std::optional<shadow::View> lights = {};  ///< if Needs::lights
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance =
-        {};                                    ///< if Needs::indirect; W/m², of G-buffer pixels
+        {};  ///< if Needs::indirect; W/m², of G-buffer pixels
+    std::optional<rhi::View<rhi::Dimension::d2>> specular =
+        {};                                    ///< if Needs::specular; W/m²/sr, of G-buffer pixels
     std::optional<cones::Gather> gather = {};  ///< if Needs::indirect and Needs::blend
     glm::vec3 environment{0};                  ///< radiance seen where nothing was drawn, W/m²/sr
     /// For the blended surfaces, if Needs::blend.
@@ -45,7 +48,7 @@ struct Inputs {
     glm::vec4 eye{0, 0, 0, 1};  ///< CameraBlock::eye, to sort them by
 };
 
-/// rgba32_float, W/m²/sr. `radiance` = direct + indirect + emission + environment, blended surfaces over it; the
+/// rgba32_float, W/m²/sr. `radiance` = direct + indirect + specular + emission + environment, blended surfaces over it; the
 /// layers `direct` and `indirect` are of what lies behind those.
 struct View {
     rhi::View<rhi::Dimension::d2> radiance;

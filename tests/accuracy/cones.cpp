@@ -50,7 +50,8 @@ TEST_P(ConesTest, EmptyGridGivesTheEnvironmentsIrradiance) {
                 gbuffer.record(commands, gpu.view(), gbuffer::camera_block(camera, size));
             volume.voxelize(commands, nothing.view(), 0);
             volume.inject(commands, nullptr);
-            const auto gathered = irradiance.record(commands, seen, {.volume = volume.view(), .environment = environment});
+            const auto gathered =
+                irradiance.record(commands, seen, {.volume = volume.view(), .environment = environment});
             commands.pass("copy").dispatch(copy,
                                            {.source = {gathered, point},
                                             .layer = target.view<rhi::Dimension::d2>(),

@@ -46,8 +46,8 @@ TEST(Plan, SunAlone) {
     SceneFacts facts = surfaces();
     facts.lights = true;
     EXPECT_THAT(needed(make_plan(facts, {})),
-                UnorderedElementsAre("gbuffer", "shadow", "voxels", "voxels.light", "cones", "lighting",
-                                     "lighting.specular", "post"));
+                UnorderedElementsAre("gbuffer", "shadow", "voxels", "voxels.light", "cones", "cones.specular",
+                                     "lighting", "lighting.specular", "post"));
     // Injection is the first reflection; a second has to be gathered.
     EXPECT_TRUE(make_plan(facts, {.bounces = 2}).needs("voxels.bounce"));
 }
@@ -58,7 +58,7 @@ TEST(Plan, EmittersAlone) {
     const Plan plan = make_plan(facts, {});
     EXPECT_THAT(needed(plan),
                 UnorderedElementsAre("gbuffer", "gbuffer.emission", "voxels", "voxels.emission",
-                                     "voxels.bounce", "cones", "cones.emitters", "lighting",
+                                     "voxels.bounce", "cones", "cones.specular", "cones.emitters", "lighting",
                                      "lighting.specular", "post"));
     EXPECT_THAT(item(plan, "shadow").why, HasSubstr("no analytic light"));
 }
@@ -67,8 +67,8 @@ TEST(Plan, EnvironmentAlone) {
     SceneFacts facts = surfaces();
     facts.environment = true;
     EXPECT_THAT(needed(make_plan(facts, {})),
-                UnorderedElementsAre("gbuffer", "voxels", "voxels.bounce", "cones", "cones.environment",
-                                     "lighting", "lighting.specular", "post"));
+                UnorderedElementsAre("gbuffer", "voxels", "voxels.bounce", "cones", "cones.specular",
+                                     "cones.environment", "lighting", "lighting.specular", "post"));
 }
 
 TEST(Plan, MaskBlendUnlitAndNormalMaps) {
@@ -125,7 +125,7 @@ TEST(Plan, FullForcesEverythingAndSaysSo) {
             }
             // Nothing that works on voxels without the voxels.
             for (const char* part : {"voxels.mask", "voxels.opacity", "voxels.emission", "voxels.light",
-                                     "voxels.bounce", "cones", "cones.environment"}) {
+                                     "voxels.bounce", "cones", "cones.specular", "cones.environment"}) {
                 ASSERT_TRUE(!automatic.needs(part) || automatic.needs("voxels")) << part;
             }
             ASSERT_TRUE(!automatic.needs("voxels.light") || automatic.needs("shadow"));
