@@ -19,8 +19,10 @@ TEST(AdoptVulkanFrame, IsTheSameToTheBitAsOnADeviceOfLumosOwn) {
     ASSERT_TRUE(own);
     std::vector<rhi::Message> messages;
     {
+        // Overlapped: no barrier but those of the plan stands between passes, so the layers see what it forgets.
         rhi::Device adopted = must(backends::vulkan::adopt_device(
-            host->described(), {.sink = [&](const rhi::Message& message) { messages.push_back(message); }}));
+            host->described(), {.timing = rhi::Timing::overlapped,
+                                .sink = [&](const rhi::Message& message) { messages.push_back(message); }}));
         const scene::Scene scene = must(scene::make_builtin("cornell"));
         frame::Settings settings{.size = {96, 64}};
         settings.voxels.resolution = 32;
