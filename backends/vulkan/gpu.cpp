@@ -16,7 +16,8 @@ using rhi::Timing;
 /// That the host said all that cannot be asked.
 Result<void> check_host(const HostDevice& host, const rhi::DeviceDesc& desc) {
     auto missing = [](const char* member) {
-        return fail(ErrorKind::invalid_argument, "HostDevice", fmt::format("{} is not set", member));
+        return fail(ErrorKind::invalid_argument, "HostDevice", fmt::format("{} is not set", member),
+                    "give it as backends/vulkan/adopt.hpp says");
     };
     if (!host.get_instance_proc_addr) return missing("get_instance_proc_addr");
     if (!host.instance) return missing("instance");
@@ -180,7 +181,9 @@ void Gpu::query_formats() {
         add(VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT, FormatCaps::sampled);
         add(VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT, FormatCaps::linear_filter);
         add(VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT, FormatCaps::storage);
-        add(VK_FORMAT_FEATURE_STORAGE_IMAGE_ATOMIC_BIT, FormatCaps::storage_atomic);
+        // Of floats, atomics are an extension's, and OpenGL has none.
+        if (rhi::format_info(format).kind != rhi::FormatKind::floating)
+            add(VK_FORMAT_FEATURE_STORAGE_IMAGE_ATOMIC_BIT, FormatCaps::storage_atomic);
         add(attachment, FormatCaps::attachment);
         add(VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT, FormatCaps::blend);
         if (has & attachment) {

@@ -73,6 +73,7 @@ TEST_P(FormatTest, TheOnesThatLumoNeedsAreThere) {
     EXPECT_TRUE(able(Format::rgba16_float, draw | FormatCaps::linear_filter | FormatCaps::storage));
     EXPECT_TRUE(able(Format::rgba32_float, draw | FormatCaps::storage));
     EXPECT_TRUE(able(Format::r32_uint, draw | FormatCaps::storage | FormatCaps::storage_atomic));
+    EXPECT_FALSE(able(Format::r32_float, FormatCaps::storage_atomic)) << "on either API";
     EXPECT_TRUE(able(Format::d32_float, draw));
     EXPECT_FALSE(able(Format::d32_float, FormatCaps::linear_filter)) << "nothing may rely on filtered depth";
     EXPECT_FALSE(able(Format::rgba8_srgb, FormatCaps::storage));
