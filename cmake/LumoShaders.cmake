@@ -3,7 +3,7 @@
 #
 # Stage files are ROOT/FOLDER/STEM.comp, or ROOT/FOLDER/STEM.vert with .geom or .frag or both; all files of one stem
 # are one program. Its type is lumo::shaders::FOLDER::STEM, in "shaders/FOLDER/STEM.hpp". ROOT is the current source
-# folder unless given; files are relative to it or absolute. #include "..." is searched in ROOT, then in lumo's
+# folder unless given, and relative to that; files are relative to ROOT or absolute. #include "..." is searched in ROOT, then in lumo's
 # shaders/. A FOLDER of another library's is to be avoided: the headers would have the same name.
 #
 # What tests need, for example, lies beside them:
@@ -16,6 +16,7 @@ function(lumo_shaders name)
     if(NOT root)
         set(root ${CMAKE_CURRENT_SOURCE_DIR})
     endif()
+    cmake_path(ABSOLUTE_PATH root NORMALIZE)
     set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}_generated)
 
     set(programs)
