@@ -7,8 +7,8 @@ const int gather_binding = 5;
 
 // A group takes a block of cells and gathers for those that hold surfaces, which are few, side by side.
 const int block_size = 512;
-// No constant: a vector chosen by a specialization constant comes out wrong on some drivers.
-ivec3 block_log2() { return octree_levels > 0 ? ivec3(6, 3, 0) : ivec3(3); }
+// Number by number: a vector chosen by a specialization constant comes out wrong on some drivers.
+ivec3 block_log2() { return ivec3(octree_levels > 0 ? 6 : 3, 3, octree_levels > 0 ? 0 : 3); }
 layout(local_size_x = 64) in;
 
 layout(push_constant) uniform Push {
