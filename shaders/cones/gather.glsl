@@ -99,7 +99,8 @@ float trace_visibility(vec3 from, vec3 to) {
         float opacity = opacity_at(from + direction * distance, level);
         if (opacity == 0.0) {
             // At least half a voxel of the level is empty on each side; the finest filter reaches half a voxel over it.
-            distance += max(0.5 * exp2(float(level)) - 0.5, 1.0) / widest;
+            // Whole steps: whether a sample was barely empty does not move those that follow.
+            distance += max(floor((0.5 * exp2(float(level)) - 0.5) / widest), 1.0);
             level = min(level + 1, 4);
         } else if (level > 0) {
             level -= 1;
@@ -108,7 +109,7 @@ float trace_visibility(vec3 from, vec3 to) {
             distance += 1.0;
         }
     }
-    return transmittance < min_transmittance ? 0.0 : transmittance;
+    return max(transmittance - min_transmittance, 0.0) / (1.0 - min_transmittance);
 }
 
 // Irradiance on a surface from the emitters that are lit by one by one, W/m². As gather_irradiance.

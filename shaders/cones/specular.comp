@@ -27,19 +27,23 @@ vec3 reflected(Surface surface, vec3 position, vec3 geometric_normal, vec3 norma
     float alpha = surface.roughness * surface.roughness;
     float slope = min(sqrt(held / (1.0 - held)) * alpha, widest_tangent);
     float in_cone = min(slope * slope / (alpha * alpha + slope * slope) / held, 1.0);
-    float half_angle = 2.0 * atan(slope);
+    // Of the half-angle, twice that of the slope; without trigonometry, in which the APIs differ.
+    float squared = slope * slope;
+    float tangent = 2.0 * slope / (1.0 - squared);
+    float sine = 2.0 * slope / (1.0 + squared);
+    float cosine = (1.0 - squared) / (1.0 + squared);
 
-    // Of a lobe that the horizon cuts, the middle of what lies above.
+    // Of a lobe that the horizon cuts, the middle of what lies above: of the axis and the lobe's width of elevation.
     vec3 axis = reflect(-to_eye, normal);
-    float elevation = asin(clamp(dot(axis, geometric_normal), -1.0, 1.0));
-    if (elevation < half_angle) {
-        float above = max(0.5 * (elevation + half_angle), 0.02);
-        vec3 level = axis - geometric_normal * dot(axis, geometric_normal);
+    float height = dot(axis, geometric_normal);
+    if (height < sine) {
+        vec3 level = axis - geometric_normal * height;
         vec3 along = level * inversesqrt(max(dot(level, level), 1e-12));
-        axis = along * cos(above) + geometric_normal * sin(above);
-        half_angle = min(half_angle, above);
+        axis = unit(axis + along * cosine + geometric_normal * (sine + 1e-3));
+        float above = max(dot(axis, geometric_normal), 0.02);
+        tangent = min(tangent, above * inversesqrt(max(1.0 - above * above, 1e-6)));
     }
-    vec3 radiance = trace_cone(position + geometric_normal, axis, tan(half_angle), 1.0, 1.0);
+    vec3 radiance = trace_cone(position + geometric_normal, axis, tangent, 1.0, 1.0);
     float texels = float(textureSize(reflectance, 0).x);
     vec2 place = vec2(dot(normal, to_eye), surface.roughness) * ((texels - 1.0) / texels) + 0.5 / texels;
     vec2 factors = texture(reflectance, place).xy;
