@@ -2,9 +2,9 @@
 // all arguments were checked, all barriers are spelled out. Only the core of the RHI calls this.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -127,6 +127,12 @@ struct CreatedBuffer {
     std::byte* mapped = nullptr;  ///< host-visible memory: coherent, mapped for the buffer's whole life
     uint64_t allocated_bytes = 0;
 };
+
+/// The answer of a device of lumo's own to a resource or a semaphore of a host's.
+inline tl::unexpected<Error> not_adopted(std::string subject) {
+    return fail(ErrorKind::unsupported, std::move(subject), "the device was not made from a host's",
+                "adopt the host's device, as docs/porting.md shows");
+}
 
 /// Resources are named by the core's handles; their index is small and dense, and a backend keeps its own
 /// objects by it. Calls come from one thread. A call that failed leaves nothing behind. After the error

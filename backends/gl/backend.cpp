@@ -79,10 +79,6 @@ float encode_srgb(float linear) {
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
 }
 
-tl::unexpected<Error> not_adopted(std::string subject) {
-    return fail(ErrorKind::unsupported, std::move(subject), "the device was not made from a host's context");
-}
-
 /// A clear value as texels of a transfer format.
 struct ClearTexel {
     GLenum transfer;
@@ -131,12 +127,12 @@ class GlBackend final : public rhi::Backend {
     }
     Result<void> adopt_texture(rhi::TextureHandle handle, const rhi::TextureDesc& desc,
                                const rhi::NativeTexture& native) override {
-        if (!context_->is_hosts()) return not_adopted(desc.name);
+        if (!context_->is_hosts()) return rhi::not_adopted(desc.name);
         return enter().and_then([&] { return resources_.adopt(handle, desc, native); });
     }
     Result<void> adopt_buffer(rhi::BufferHandle handle, const rhi::BufferDesc& desc,
                               const rhi::NativeBuffer& native) override {
-        if (!context_->is_hosts()) return not_adopted(desc.name);
+        if (!context_->is_hosts()) return rhi::not_adopted(desc.name);
         return enter().and_then([&] { return resources_.adopt(handle, desc, native); });
     }
     Result<void> create_sampler(rhi::SamplerHandle handle, const rhi::SamplerDesc& desc) override {
@@ -257,7 +253,7 @@ Result<void> GlBackend::begin(uint64_t serial) {
 }
 
 Result<void> GlBackend::wait_for(const rhi::NativeSync& sync) {
-    if (!context_->is_hosts()) return not_adopted("wait");
+    if (!context_->is_hosts()) return rhi::not_adopted("wait");
     GLsync fence = reinterpret_cast<GLsync>(sync.object);
     if (!glIsSync(fence)) return fail(ErrorKind::invalid_argument, "wait", "it is not the name of a GLsync");
     glWaitSync(fence, 0, GL_TIMEOUT_IGNORED);

@@ -47,7 +47,7 @@ class Context {
     const rhi::DeviceInfo& info() const { return info_; }
     /// Null without a window.
     const Surface* surface() const { return surface_.get(); }
-    /// Shows what was drawn into the window's back buffer.
+    /// Shows what was drawn into the window's back buffer. Error: device_lost, where the window takes no frame.
     Result<void> swap(bool vsync);
 
     /// The EGLDisplay and EGLContext, by pointer so that EGL's headers stay out of this one.

@@ -1,5 +1,6 @@
 #include "backends/vulkan/execution.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lumo::backends::vulkan {
@@ -158,8 +159,7 @@ Result<void> Executor::wait_for(const rhi::NativeSync& sync) { return add(waits_
 Result<void> Executor::signal(const rhi::NativeSync& sync) { return add(signals_, sync); }
 
 Result<void> Executor::add(std::vector<VkSemaphoreSubmitInfo>& semaphores, const rhi::NativeSync& sync) {
-    if (!gpu_.is_adopted())
-        return fail(ErrorKind::unsupported, gpu_.info().name, "the device was not made from a host's");
+    if (!gpu_.is_adopted()) return rhi::not_adopted(gpu_.info().name);
     semaphores.push_back({.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
                           .semaphore = handle_of<VkSemaphore>(sync.object),
                           .value = sync.value,

@@ -69,8 +69,8 @@ struct Candidate;
 
 class Gpu {
   public:
-    /// The best device, or the one whose name holds desc.name; with a surface, one that presents to it. Errors: no_device (with what was found),
-    /// unsupported (with what the device lacks).
+    /// The best device, or the one whose name holds desc.name; with a surface, one that presents to it. Errors:
+    /// no_device (with what was found), unsupported (with what the device lacks).
     static Result<std::unique_ptr<Gpu>> create(const rhi::DeviceDesc& desc,
                                                std::shared_ptr<const Surface> surface);
     /// A host's. Errors: adopt_device's.

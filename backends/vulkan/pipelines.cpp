@@ -147,7 +147,8 @@ Result<void> check_features(const Gpu& gpu, const rhi::ProgramInfo& program, con
     const VkPhysicalDeviceFeatures& enabled = gpu.features().core;
     auto lacks = [&](const char* feature) {
         return fail(ErrorKind::unsupported, std::string(program.name),
-                    fmt::format("it needs {}, which this device was made without", feature));
+                    fmt::format("it needs {}, which this device was made without", feature),
+                    "enable it with the host's device, or use another device");
     };
     if (raster && raster->depth_clamp && !enabled.depthClamp) return lacks("depthClamp");
     for (const rhi::BindingInfo& binding : program.bindings) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "backends/vulkan/convert.hpp"
+#include "rhi/backend.hpp"
 
 namespace lumo::backends::vulkan {
 
@@ -66,7 +67,8 @@ struct ImageShape {
 Result<void> check_shape(const Gpu& gpu, const rhi::TextureDesc& desc,
                          const VkPhysicalDeviceImageFormatInfo2& asked) {
     if (desc.dimension == Dimension::cube_array && !gpu.features().core.imageCubeArray)
-        return fail(ErrorKind::unsupported, desc.name, "this device was made without imageCubeArray");
+        return fail(ErrorKind::unsupported, desc.name, "this device was made without imageCubeArray",
+                    "enable it with the host's device, or use another device");
     VkImageFormatProperties2 allowed{.sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_PROPERTIES_2};
     VkResult result = gpu.instance().vk().image_format_properties(gpu.physical(), &asked, &allowed);
     const auto& limit = allowed.imageFormatProperties;
@@ -107,8 +109,7 @@ Result<Buffer> create_buffer(const Gpu& gpu, Allocator& allocator, const rhi::Bu
 }
 
 Result<Buffer> adopt_buffer(const Gpu& gpu, const rhi::BufferDesc& desc, const rhi::NativeBuffer& native) {
-    if (!gpu.is_adopted())
-        return fail(ErrorKind::unsupported, desc.name, "the device was not made from a host's");
+    if (!gpu.is_adopted()) return rhi::not_adopted(desc.name);
     return Buffer{{}, Unique<VkBuffer>(gpu.device(), handle_of<VkBuffer>(native.object), nullptr)};
 }
 
@@ -143,8 +144,7 @@ Result<Texture> Texture::create(const Gpu& gpu, Allocator& allocator, const rhi:
 
 Result<Texture> Texture::adopt(const Gpu& gpu, const rhi::TextureDesc& desc,
                                const rhi::NativeTexture& native) {
-    if (!gpu.is_adopted())
-        return fail(ErrorKind::unsupported, desc.name, "the device was not made from a host's");
+    if (!gpu.is_adopted()) return rhi::not_adopted(desc.name);
     const auto after = VkImageLayout(native.layout_after);
     if (after == VK_IMAGE_LAYOUT_UNDEFINED || after == VK_IMAGE_LAYOUT_PREINITIALIZED)
         return fail(ErrorKind::invalid_argument, desc.name,

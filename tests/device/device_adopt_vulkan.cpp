@@ -242,11 +242,13 @@ TEST_F(AdoptVulkan, WhatTheHostForgotToSayIsNamed) {
     };
     EXPECT_THAT(error_with([](HostDevice& h) { h.get_instance_proc_addr = nullptr; }),
                 HasSubstr("get_instance_proc_addr"));
-    EXPECT_THAT(error_with([](HostDevice& h) { h.instance = VK_NULL_HANDLE; }), HasSubstr("instance"));
+    EXPECT_THAT(error_with([](HostDevice& h) { h.instance = VK_NULL_HANDLE; }),
+                HasSubstr(": instance is not set"));
     EXPECT_THAT(error_with([](HostDevice& h) { h.physical_device = VK_NULL_HANDLE; }),
                 HasSubstr("physical_device"));
-    EXPECT_THAT(error_with([](HostDevice& h) { h.device = VK_NULL_HANDLE; }), HasSubstr("device"));
-    EXPECT_THAT(error_with([](HostDevice& h) { h.queue = VK_NULL_HANDLE; }), HasSubstr("queue"));
+    EXPECT_THAT(error_with([](HostDevice& h) { h.device = VK_NULL_HANDLE; }),
+                HasSubstr(": device is not set"));
+    EXPECT_THAT(error_with([](HostDevice& h) { h.queue = VK_NULL_HANDLE; }), HasSubstr(": queue is not set"));
     EXPECT_THAT(error_with([](HostDevice& h) { h.queue_family = 77; }), HasSubstr("family 77"));
     EXPECT_THAT(error_with([](HostDevice& h) { h.api_version = VK_API_VERSION_1_2; }),
                 AllOf(HasSubstr("Vulkan 1.3"), HasSubstr("1.2")));
