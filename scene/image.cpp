@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <optional>
 #include <string_view>
 
 #include "scene/file.hpp"
@@ -38,6 +37,12 @@ Result<void> check(const Header& header, const Source& source) {
 tl::unexpected<Error> damaged(const Source& source, const std::string& reason) {
     return fail(ErrorKind::invalid_file, source.name, "cannot be decoded: " + reason,
                 "write the image again");
+}
+
+uint32_t big_endian(std::span<const std::byte> bytes, size_t at, size_t size) {
+    uint32_t value = 0;
+    for (size_t i = 0; i < size; ++i) value = value << 8 | std::to_integer<uint32_t>(bytes[at + i]);
+    return value;
 }
 
 ImageF to_float(const Image8& from) {

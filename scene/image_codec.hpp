@@ -34,6 +34,9 @@ Result<void> check(const Header& header, const Source& source);
 /// What is damaged: invalid_file, with the reason.
 tl::unexpected<Error> damaged(const Source& source, const std::string& reason);
 
+/// The number in `size` bytes, 1 to 4, from `at` on, all of which are there.
+uint32_t big_endian(std::span<const std::byte> bytes, size_t at, size_t size);
+
 /// Samples of 0 to 255 as floats of 0 to 1.
 ImageF to_float(const Image8& from);
 

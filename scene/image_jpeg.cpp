@@ -18,12 +18,6 @@ namespace {
 // Each scan of a progressive file may pass over all of its pixels for a few bytes.
 constexpr int max_scans = 100;
 
-uint32_t big_endian(std::span<const std::byte> bytes, size_t at, size_t size) {
-    uint32_t value = 0;
-    for (size_t i = 0; i < size; ++i) value = value << 8 | std::to_integer<uint32_t>(bytes[at + i]);
-    return value;
-}
-
 // Walks the segments up to the frame header (SOF0 to SOF15 but for DHT, JPG and DAC).
 std::optional<Header> header_of(std::span<const std::byte> bytes) {
     for (size_t at = 2; at + 4 <= bytes.size();) {

@@ -1,5 +1,4 @@
 // PNG by libpng.
-#include <algorithm>
 #include <array>
 #include <csetjmp>
 #include <cstring>
@@ -11,12 +10,6 @@
 
 namespace lumo::scene::codec {
 namespace {
-
-uint32_t big_endian(std::span<const std::byte> bytes, size_t at, size_t size) {
-    uint32_t value = 0;
-    for (size_t i = 0; i < size; ++i) value = value << 8 | std::to_integer<uint32_t>(bytes[at + i]);
-    return value;
-}
 
 // Whether the chunks lead up to the one that ends the image. libpng allocates what each says to be its size.
 bool is_whole(std::span<const std::byte> bytes) {
@@ -130,10 +123,17 @@ struct Writer {
     Writer& operator=(const Writer&) = delete;
 
     [[noreturn]] static void on_error(png_structp png, png_const_charp) { png_longjmp(png, 1); }
-    static void on_write(png_structp png, png_bytep from, size_t size) noexcept {
+    // No exception may pass through libpng, and no longjmp leave a handler.
+    static void on_write(png_structp png, png_bytep from, size_t size) {
         auto& writer = *static_cast<Writer*>(png_get_io_ptr(png));
         const auto* bytes = reinterpret_cast<const std::byte*>(from);
-        writer.bytes.insert(writer.bytes.end(), bytes, bytes + size);
+        bool fits = true;
+        try {
+            writer.bytes.insert(writer.bytes.end(), bytes, bytes + size);
+        } catch (const std::bad_alloc&) {
+            fits = false;
+        }
+        if (!fits) png_error(png, "out of memory");
     }
 
     std::vector<std::byte> bytes;

@@ -1,8 +1,6 @@
 // lumo_image_oiio.so: TIFF, WebP, BMP, TGA and whatever else the machine's OpenImageIO reads from memory.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <memory>
-#include <string>
 
 #include "scene/image_module.hpp"
 
