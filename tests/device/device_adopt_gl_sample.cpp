@@ -1,42 +1,17 @@
 // The sample embed-gl as its users run it: the host's state is as it was, the driver silent, the picture lit.
-#include <array>
-#include <cstdlib>
-#include <filesystem>
-#include <gtest/gtest.h>
-#include <string>
-#include <unistd.h>
-
 #include "backends/backends.hpp"
-#include "scene/image.hpp"
+#include "tests/support/sample.hpp"
 
 namespace lumo {
 namespace {
 
-struct EmbedGl : testing::Test {
-    void SetUp() override {
-        if (backends::list_devices(rhi::Api::gl).empty()) GTEST_SKIP() << "there is no OpenGL device";
-    }
-    /// The picture that it writes.
-    static scene::Image8 run(const std::string& options) {
-        const auto file =
-            std::filesystem::path(testing::TempDir()) / (std::to_string(getpid()) + ".embed-gl.png");
-        const std::string command = std::string(LUMO_EMBED_GL) + " --headless --width 160 --height 90 -o '" +
-                                    file.string() + "' " + options;
-        EXPECT_EQ(std::system(command.c_str()), 0) << command;
-        auto image = scene::read_image8(file);
-        std::filesystem::remove(file);
-        if (!image) ADD_FAILURE() << to_string(image.error());
-        return image.value_or(scene::Image8{});
-    }
-};
+using testing_support::picture_of_sample;
+using testing_support::pixel;
 
-std::array<int, 3> pixel(const scene::Image8& image, double x, double y) {
-    const uint8_t* at = image.at(uint32_t(x * image.width), uint32_t(y * image.height));
-    return {at[0], at[1], at[2]};
-}
-
-TEST_F(EmbedGl, IsLitByLumoAndFindsItsState) {
-    const scene::Image8 lit = run("--check-state --frames 3"), alone = run("--no-gi");
+TEST(EmbedGl, IsLitByLumoAndFindsItsState) {
+    if (backends::list_devices(rhi::Api::gl).empty()) GTEST_SKIP() << "there is no OpenGL device";
+    const scene::Image8 lit = picture_of_sample(LUMO_EMBED_GL, "--check-state --frames 3"),
+                        alone = picture_of_sample(LUMO_EMBED_GL, "--no-gi");
     ASSERT_EQ(lit.values.size(), 160u * 90 * 4);
     ASSERT_EQ(alone.values.size(), lit.values.size());
     const std::array<int, 3> black{0, 0, 0};
