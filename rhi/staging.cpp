@@ -1,7 +1,6 @@
 #include "rhi/staging.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <utility>
 

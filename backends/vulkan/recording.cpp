@@ -1,9 +1,7 @@
 #include "backends/vulkan/recording.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 
 #include "backends/vulkan/convert.hpp"
 

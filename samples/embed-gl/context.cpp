@@ -30,7 +30,7 @@ Context::~Context() {
 }
 
 void Context::open_window(const ContextDesc& desc) {
-    glfwInit();
+    if (!glfwInit()) throw std::runtime_error("there is no window system; --headless does without");
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);

@@ -1,8 +1,6 @@
 // The host's context: a GLFW window's, or one of EGL's without a window.
 #pragma once
 
-#include <memory>
-
 struct GLFWwindow;
 
 namespace embed {

@@ -1,5 +1,7 @@
 #include "samples/embed-gl/host.hpp"
 
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>

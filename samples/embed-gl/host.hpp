@@ -3,7 +3,6 @@
 // It keeps OpenGL's usual conventions: depth from -1 to 1 in clip space, no sRGB conversion but where it asks for it.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <epoxy/gl.h>
 #include <glm/glm.hpp>

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <stdexcept>
+#include <string>
 
 #include "embed-vulkan-spirv/compose_frag.h"
 #include "embed-vulkan-spirv/compose_vert.h"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <span>
-#include <string>
+#include <utility>
 #include <vector>
 #include <vulkan/vulkan.h>
 
@@ -14,7 +14,7 @@
 
 namespace embed {
 
-/// Ends the program with what went wrong.
+/// Throws std::runtime_error where the call failed.
 void check(VkResult result, const char* call);
 
 struct Image {

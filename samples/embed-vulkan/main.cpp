@@ -1,6 +1,7 @@
 // A Vulkan program of another making that lets lumo light its scene: porting.md in docs/ walks through it. host.* is
 // the program as it was, gi.* what lumo adds.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <stdexcept>

@@ -1,7 +1,6 @@
 // The host's window: GLFW, and a swapchain that its picture is copied into.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <functional>
 #include <glm/vec4.hpp>
-#include <numeric>
 
 #include "rhi/backend.hpp"
 #include "shaders/test_rhi/advance.hpp"

@@ -1,6 +1,5 @@
 // Programs that are compiled at run time, and those that the driver refuses.
 #include <filesystem>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "shadercompiler/compile.hpp"

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <glm/vec4.hpp>
-#include <numeric>
 #include <random>
 #include <unistd.h>
 
