@@ -1,6 +1,7 @@
 #include "samples/lumo/bench/bench.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 

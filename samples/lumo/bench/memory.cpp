@@ -46,8 +46,8 @@ Result<BenchReport> bench_memory(const Options& options) {
         .text = fmt::format("{}: an octree's size. The paper's nodes: all eight children of each node that "
                             "is split. Bricks: texels\n"
                             "that one direction takes, borders included, and their part of dim³. Paper: "
-                            "nodes, MiB of nodes, texels "
-                            "of\nbricks and their part of dim³, MiB of fragments, all of Sponza.\n",
+                            "nodes, MiB of nodes, texels of\n"
+                            "bricks and their part of dim³, MiB of fragments, all of Sponza.\n",
                             options.scene)};
     for (const rhi::Api api : *apis) {
         auto device = bench_device(api, options);

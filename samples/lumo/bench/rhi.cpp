@@ -1,7 +1,6 @@
 // `lumo bench rhi`: what lumo costs beside calls straight to the API.
 #include <algorithm>
 #include <fmt/format.h>
-#include <numeric>
 
 #include "samples/lumo/bench/bench.hpp"
 #include "samples/lumo/bench/rhi_work.hpp"
@@ -287,9 +286,8 @@ Result<BenchReport> bench_rhi(const Options& options) {
                  {"apis", Json::array()}},
         .text = {}};
     report.text = fmt::format(
-        "CPU time of the calling thread to record and submit {} calls, per call; medians of {} runs (lowest "
-        "to "
-        "highest)\n",
+        "CPU time of the calling thread to record and submit {} calls, per call; medians of {} runs "
+        "(lowest to highest)\n",
         calls, options.runs);
     for (const rhi::Api api : *apis) {
         const auto found = measure(api, options, progress);

@@ -51,13 +51,7 @@ class ThroughLumo final : public RhiWork {
 
 Result<std::unique_ptr<RhiWork>> ThroughLumo::create(rhi::Device& device) {
     std::unique_ptr<ThroughLumo> made(new ThroughLumo(device));
-    Result<void> fine;
-    const auto keep = [&](auto& place, auto result) {
-        if (result)
-            place = *std::move(result);
-        else if (fine)
-            fine = tl::unexpected(result.error());
-    };
+    Keep keep;
     const auto texture = [&](const char* name, uint32_t side, rhi::TextureUsage usage) {
         return device.create_texture({.name = name, .extent = {side, side, 1}, .usage = usage});
     };
@@ -76,7 +70,7 @@ Result<std::unique_ptr<RhiWork>> ThroughLumo::create(rhi::Device& device) {
     keep(made->corners_, buffer("corners", 2 * corners_stride));
     keep(made->transfer_buffer_, buffer("transfer", transfer_bytes));
     keep(made->transfer_texture_, texture("transfer", transfer_side, rhi::TextureUsage::sampled));
-    if (!fine) return tl::unexpected(fine.error());
+    if (!keep.fine) return tl::unexpected(keep.fine.error());
 
     const std::vector<uint32_t> items = first_items();
     rhi::Commands commands = device.begin();

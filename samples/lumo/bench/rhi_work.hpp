@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "rhi/rhi.hpp"
@@ -74,6 +74,19 @@ std::vector<std::byte> corner_bytes();
 inline constexpr uint8_t texture_colors[2][4] = {{255, 128, 64, 255}, {32, 200, 255, 255}};
 /// The buffers that dispatches start from hold 0, 1, 2, …
 std::vector<uint32_t> first_items();
+
+/// Puts what several calls made into its places; the first of their errors stays.
+struct Keep {
+    Result<void> fine = {};
+
+    template <class T>
+    void operator()(T& place, Result<T> made) {
+        if (made)
+            place = *std::move(made);
+        else if (fine)
+            fine = tl::unexpected(made.error());
+    }
+};
 
 /// CPU time of the calling thread since it was made.
 class CpuTimer {

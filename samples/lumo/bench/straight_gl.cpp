@@ -156,22 +156,11 @@ GLuint slot_of(size_t binding) {
     return P::info().bindings[binding].gl_slot;
 }
 
-Result<double> StraightGl::dispatches(uint32_t count) {
-    make_room(count);
-    const GLuint picture = slot_of<step>(0), source = slot_of<step>(1), target = slot_of<step>(2);
+/// CPU seconds to record and submit; then waits.
+template <class Record>
+double submitted(Record record) {
     const CpuTimer timer;
-    glUseProgram(step_);
-    glBindSampler(picture, sampler_);
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t odd = i % 2;
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-        glBindTextureUnit(picture, pictures_[odd]);
-        glBindBufferRange(GL_SHADER_STORAGE_BUFFER, source, items_[odd], 0, step_items * sizeof(uint32_t));
-        glBindBufferRange(GL_SHADER_STORAGE_BUFFER, target, items_[1 - odd], 0,
-                          step_items * sizeof(uint32_t));
-        push(i, step_push(i));
-        glDispatchCompute(1, 1, 1);
-    }
+    record();
     GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     glFlush();
     const double seconds = timer.seconds();
@@ -180,30 +169,45 @@ Result<double> StraightGl::dispatches(uint32_t count) {
     return seconds;
 }
 
+Result<double> StraightGl::dispatches(uint32_t count) {
+    make_room(count);
+    const GLuint picture = slot_of<step>(0), source = slot_of<step>(1), target = slot_of<step>(2);
+    return submitted([&] {
+        glUseProgram(step_);
+        glBindSampler(picture, sampler_);
+        for (uint32_t i = 0; i < count; ++i) {
+            const uint32_t odd = i % 2;
+            glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+            glBindTextureUnit(picture, pictures_[odd]);
+            glBindBufferRange(GL_SHADER_STORAGE_BUFFER, source, items_[odd], 0,
+                              step_items * sizeof(uint32_t));
+            glBindBufferRange(GL_SHADER_STORAGE_BUFFER, target, items_[1 - odd], 0,
+                              step_items * sizeof(uint32_t));
+            push(i, step_push(i));
+            glDispatchCompute(1, 1, 1);
+        }
+    });
+}
+
 Result<double> StraightGl::draws(uint32_t count) {
     make_room(count);
     const GLuint corners = slot_of<mark>(0), picture = slot_of<mark>(1);
-    const CpuTimer timer;
-    constexpr float black[4] = {};
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-    glClearNamedFramebufferfv(framebuffer_, GL_COLOR, 0, black);
-    glViewport(0, 0, mark_side, mark_side);
-    glUseProgram(mark_);
-    glBindSampler(picture, sampler_);
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t odd = i % 2;
-        glBindBufferRange(GL_SHADER_STORAGE_BUFFER, corners, corners_, GLintptr(odd * corners_stride),
-                          corners_stride);
-        glBindTextureUnit(picture, pictures_[odd]);
-        push(i, mark_push(i));
-        glDrawArraysInstanced(GL_TRIANGLES, 0, 3, 1);
-    }
-    GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    glFlush();
-    const double seconds = timer.seconds();
-    glFinish();
-    glDeleteSync(fence);
-    return seconds;
+    return submitted([&] {
+        constexpr float black[4] = {};
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+        glClearNamedFramebufferfv(framebuffer_, GL_COLOR, 0, black);
+        glViewport(0, 0, mark_side, mark_side);
+        glUseProgram(mark_);
+        glBindSampler(picture, sampler_);
+        for (uint32_t i = 0; i < count; ++i) {
+            const uint32_t odd = i % 2;
+            glBindBufferRange(GL_SHADER_STORAGE_BUFFER, corners, corners_, GLintptr(odd * corners_stride),
+                              corners_stride);
+            glBindTextureUnit(picture, pictures_[odd]);
+            push(i, mark_push(i));
+            glDrawArraysInstanced(GL_TRIANGLES, 0, 3, 1);
+        }
+    });
 }
 
 Result<std::vector<std::byte>> StraightGl::outcome() {

@@ -1,7 +1,6 @@
 // The work of `lumo bench rhi` by Vulkan's own calls, as a program without lumo would make them: one memory
 // barrier between dependent dispatches, push descriptors, dynamic rendering. Only what is not measured, the
 // device, memory and pipelines, is made by the backend.
-#include <array>
 #include <cstring>
 
 #include "backends/vulkan/gpu.hpp"
@@ -129,13 +128,7 @@ VkBufferImageCopy whole(uint32_t side) {
 }
 
 Result<void> StraightVulkan::prepare() {
-    Result<void> fine;
-    const auto keep = [&](auto& place, auto result) {
-        if (result)
-            place = *std::move(result);
-        else if (fine)
-            fine = tl::unexpected(result.error());
-    };
+    Keep keep;
     using rhi::Memory;
     const auto buffer = [&](uint64_t size, Memory memory) {
         return vulkan::create_buffer(*gpu_, allocator_, {.name = "bench", .size = size, .memory = memory});
@@ -167,7 +160,7 @@ Result<void> StraightVulkan::prepare() {
     keep(transfer_buffer_, buffer(transfer_bytes, Memory::device));
     keep(upload_, buffer(transfer_bytes, Memory::upload));
     keep(readback_, buffer(transfer_bytes, Memory::readback));
-    if (!fine) return fine;
+    if (!keep.fine) return keep.fine;
 
     for (size_t i = 0; i < rhi::max_in_flight; ++i) {
         const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
