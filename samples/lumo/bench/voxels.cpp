@@ -1,5 +1,4 @@
 // `lumo bench voxels`: table 1 of the paper (Talcik and Kovacs, mallumo), on the devices at hand.
-#include <algorithm>
 #include <array>
 #include <fmt/format.h>
 #include <map>
