@@ -1,4 +1,5 @@
-// A voxel volume of the scene: its surfaces, and the light that leaves them, in volume textures.
+// A voxel volume of the scene: its surfaces, and the light that leaves them, in volume textures. What is stored is every
+// voxel of the grid, or a list of those that hold something with a sparse octree of their light (octree.hpp).
 //
 // voxelize() sums base colour (and emission) per voxel and resolves them to means; inject() turns the light of analytic
 // lights, as their shadow maps saw it, into outgoing radiance; both end in the mips that cones sample. Surfaces have 8

@@ -121,7 +121,8 @@ TEST_P(OctreeSceneTest, PicturesAreTheVolumes) {
             .size = {48, 36},
             .bounces = bounces,
             .layers = {frame::Layer::irradiance, frame::Layer::radiance, frame::Layer::voxels}};
-        settings.voxels = {.resolution = 32, .mips = mips};
+        // Enough voxels for several layers of the list of cells.
+        settings.voxels = {.resolution = 64, .mips = mips};
         const frame::Rendered dense = render(scene, settings);
         settings.voxels.storage = Storage::octree;
         const frame::Rendered sparse = render(scene, settings);
@@ -140,10 +141,12 @@ TEST_P(OctreeSceneTest, PicturesAreTheVolumes) {
 }
 
 TEST_P(OctreeSceneTest, NothingToHold) {
-    frame::Settings settings{
-        .size = {16, 16}, .layers = {frame::Layer::radiance}, .plan = frame::PlanMode::full};
+    frame::Settings settings{.size = {16, 16},
+                             .layers = {frame::Layer::irradiance, frame::Layer::voxels},
+                             .plan = frame::PlanMode::full};
     settings.voxels = {.resolution = 16, .storage = Storage::octree};
-    for (const float value : render({}, settings).layers[0].linear.values) EXPECT_EQ(value, 0);
+    for (const frame::LayerImage& layer : render({}, settings).layers)
+        for (const float value : layer.linear.values) EXPECT_EQ(value, 0) << to_string(layer.layer);
 
     // One voxel, and what is thinner than any.
     scene::Scene speck;
