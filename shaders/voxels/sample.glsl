@@ -10,14 +10,22 @@ layout(constant_id = 23) const bool anisotropic = false;  // mips in six directi
 // The octree's. One place in every program that samples voxels, out of the way of its other bindings.
 layout(binding = 31) uniform usampler3D voxel_nodes;
 
-// Which of the six directions a ray sees, and how far it goes along each while it goes one voxel.
+// Which of the six directions a ray sees, and how far it goes along each while it goes one voxel; first the one along
+// which it goes farthest.
 struct Facing {
     ivec3 slots;
     vec3 lengths;
 };
 
 Facing facing_of(vec3 direction) {
-    return Facing(ivec3(0, 2, 4) + ivec3(lessThan(direction, vec3(0))), abs(direction));
+    Facing facing = Facing(ivec3(0, 2, 4) + ivec3(lessThan(direction, vec3(0))), abs(direction));
+    vec3 lengths = facing.lengths;
+    if (lengths.y > lengths.x && lengths.y >= lengths.z) {
+        facing = Facing(facing.slots.yzx, lengths.yzx);
+    } else if (lengths.z > lengths.x) {
+        facing = Facing(facing.slots.zxy, lengths.zxy);
+    }
+    return facing;
 }
 
 // What the three directions that a ray sees hold at one place.
@@ -46,10 +54,15 @@ vec4 sample_directions(sampler3D directions, vec3 uvw, Facing facing, float lod,
     float margin = exp2(ceil(lod)) / resolution;
     float x = margin < 0.5 ? clamp(uvw.x, margin, 1.0 - margin) : 0.5;
     Seen seen;
-    for (int axis = 0; axis < 3; ++axis) {
-        seen.along[axis] = textureLod(directions, vec3((float(facing.slots[axis]) + x) / 6.0, uvw.yz), lod);
+    seen.along[0] = textureLod(directions, vec3((float(facing.slots.x) + x) / 6.0, uvw.yz), lod);
+    vec4 value = vec4(0);
+    // What is empty one way is so every way: along most of a path one look is enough.
+    if (seen.along[0].a > 0.0) {
+        seen.along[1] = textureLod(directions, vec3((float(facing.slots.y) + x) / 6.0, uvw.yz), lod);
+        seen.along[2] = textureLod(directions, vec3((float(facing.slots.z) + x) / 6.0, uvw.yz), lod);
+        value = combine(seen, facing);
     }
-    return combine(seen, facing);
+    return value;
 }
 
 // A place in a brick's pool, in texels; `there` is false where there is nothing but empty voxels.
@@ -136,6 +149,13 @@ vec4 sample_volume(sampler3D base, sampler3D directions, vec3 uvw, Facing facing
                            : sample_octree_isotropic(base, directions, uvw, within);
     }
     if (!anisotropic) return textureLod(base, uvw, lod);
-    vec4 coarse = sample_directions(directions, uvw, facing, max(lod - 1.0, 0.0), resolution);
-    return lod < 1.0 ? mix(textureLod(base, uvw, 0.0), coarse, lod) : coarse;
+    vec4 value;
+    if (lod <= 0.0) {
+        value = textureLod(base, uvw, 0.0);
+    } else {
+        value = sample_directions(directions, uvw, facing, max(lod - 1.0, 0.0), resolution);
+        // Where a level has nothing, no finer one has.
+        if (lod < 1.0 && value.a > 0.0) value = mix(textureLod(base, uvw, 0.0), value, lod);
+    }
+    return value;
 }
