@@ -16,7 +16,8 @@ TEST_F(CommandLine, HelpOfEverySubcommandHasExamples) {
 
 TEST_F(CommandLine, HelpListsTheSubcommands) {
     const Outcome run = done({"--help"});
-    for (const char* name : {"render", "check", "diff", "devices", "bench"}) EXPECT_TRUE(contains(run.out, name));
+    for (const char* name : {"render", "check", "diff", "devices", "bench"})
+        EXPECT_TRUE(contains(run.out, name));
 }
 
 TEST_F(CommandLine, NothingToDoIsAFailure) {
@@ -72,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{{"render", "--storage", "list"}, {"--storage", "list", "available: vt, svo"}},
         Refused{{"render", "--mips", "none"}, {"--mips", "none", "available: iso, ani"}},
         Refused{{"render", "--range", "hdr"}, {"--range", "hdr", "available: auto, ldr"}},
-        Refused{{"render", "--apertures", "nonuniform"}, {"--apertures", "available: uniform"}},
+        Refused{{"render", "--apertures", "wide"}, {"--apertures", "wide", "available: uniform, nonuniform"}},
         Refused{{"render", "--sky", "on"}, {"--sky", "available: none"}},
         Refused{{"render", "--teapot"}, {"--teapot", "available:", "--cones"}},
         Refused{{"render", "--cones", "0"}, {"--cones", "'0'", "1 to 32"}},
