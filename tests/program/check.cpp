@@ -68,7 +68,7 @@ TEST_F(Check, NamesFromFilesDoNotReachTheTerminalRaw) {
     EXPECT_FALSE(contains(run.out, "\nfake line"));
     EXPECT_TRUE(contains(run.out, "cam?[2J")) << run.out;
     EXPECT_TRUE(contains(run.out, "red?[31m?fake line")) << run.out;
-    EXPECT_TRUE(contains(run.out, "'lamp?[5m'")) << run.out;
+    EXPECT_TRUE(contains(run.out, "lamp?[5m: point")) << run.out;
 }
 
 TEST_F(Check, MalformedFilesEndWithOneLineThatNamesThem) {
