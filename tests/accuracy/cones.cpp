@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
 #include "scene/builtin/builtin.hpp"
@@ -119,6 +120,31 @@ TEST_P(ConesTest, WhiteFurnace) {
                        fmt::format("{:.4f} to {:.4f}, mean {:.4f}", least, greatest, sum / pixels / 3));
         EXPECT_GT(least, 0.98) << name;
         EXPECT_LT(greatest, 1.001) << name;
+    }
+}
+
+/// What a lone plane in the sun sees of its own light: nothing, in truth. Least well where it lies on the voxels' faces,
+/// so that its voxels reach a whole voxel from it; across the grid it is a hundredth.
+TEST_P(ConesTest, LitPlaneDoesNotSeeItself) {
+    for (const auto& [angle, most] : {std::pair(0.0f, 0.1), std::pair(0.5f, 0.02)}) {
+        scene::Scene scene;
+        add(scene, scene::builtin::parallelogram({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}), diffuse(glm::vec3(0.8f)),
+            glm::rotate(glm::mat4(1), angle, glm::vec3(1, 0, 0.5f)));
+        scene.lights.push_back({.intensity = glm::vec3(glm::pi<float>()), .direction = {0, -1, 0}});
+        scene.cameras.push_back({.position = {0, 5, 0}, .target = {0, 0, 0}, .vertical_fov = 0.25f});
+        frame::Settings settings{.size = {24, 24},
+                                 .diffuse_materials = true,
+                                 .layers = {frame::Layer::irradiance, frame::Layer::direct}};
+        settings.voxels.resolution = 64;
+        const frame::Rendered rendered = render(scene, settings);
+        double gathered = 0, leaving = 0;
+        for (size_t i = 0; i < rendered.layers[0].linear.values.size(); ++i) {
+            gathered += double(rendered.layers[0].linear.values[i]);
+            leaving += glm::pi<double>() * double(rendered.layers[1].linear.values[i]);
+        }
+        ASSERT_GT(leaving, 100);
+        RecordProperty(fmt::format("angle_{}", int(10 * angle)), fmt::format("{:.5f}", gathered / leaving));
+        EXPECT_LT(gathered, most * leaving) << angle;
     }
 }
 
