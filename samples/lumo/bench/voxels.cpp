@@ -123,9 +123,10 @@ class Bench {
 
   private:
     /// Frames of these settings, the first of which warms up.
-    Result<void> run(const frame::Settings& settings, const scene::GeometryView& geometry, Measured& measured,
+    Result<void> run(const frame::Settings& asked, const scene::GeometryView& geometry, Measured& measured,
                      std::vector<double>& voxelize, std::vector<double>& inject, std::vector<double>& cones) {
-        const frame::SceneFacts facts = frame::examine(scene_, settings);
+        const frame::SceneFacts facts = frame::examine(scene_, asked);
+        const frame::Settings settings = frame::resolve(asked, facts);
         auto frame =
             frame::Frame::create(device_, settings, frame::make_plan(facts, settings), facts, geometry);
         if (!frame) return tl::unexpected(frame.error());
