@@ -324,7 +324,7 @@ TEST(LightCamera, HoldsTheBoundsTightly) {
          {glm::vec3(0, 1, 0), glm::vec3(1, 0.01f, 0), glm::vec3(0.3f, 0.8f, -0.5f), glm::vec3(-5, -5, 5),
           glm::vec3(0, 0, 1)}) {
         const shadow::LightCamera camera = shadow::fit_light(bounds, direction, 512);
-        EXPECT_NEAR(glm::length(camera.direction_to_light), 1, 1e-6);
+        EXPECT_NEAR(glm::length(camera.toward_light), 1, 1e-6);
         glm::vec3 lowest(2), highest(-2);
         for (int corner = 0; corner < 8; ++corner) {
             const glm::vec4 p(corner & 1 ? bounds.max.x : bounds.min.x,
@@ -335,7 +335,7 @@ TEST(LightCamera, HoldsTheBoundsTightly) {
             lowest = glm::min(lowest, glm::vec3(clip));
             highest = glm::max(highest, glm::vec3(clip));
             // Toward the light is toward depth 0.
-            const glm::vec4 nearer = camera.clip_from_world * (p + glm::vec4(camera.direction_to_light, 0));
+            const glm::vec4 nearer = camera.clip_from_world * (p + glm::vec4(camera.toward_light, 0));
             EXPECT_LT(nearer.z, clip.z);
             EXPECT_NEAR(nearer.x, clip.x, 1e-5);
             EXPECT_LT(glm::distance(camera.world_from_clip * clip, p), 1e-3f);
