@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
     std::string api = "vulkan";
     uint32_t count = 8;
     CLI::App app{"Squares numbers on a GPU."};
-    app.add_option("--api", api)->check(CLI::IsMember({"vulkan", "gl"}));
+    app.add_option("--api", api, "vulkan if not given")->check(CLI::IsMember({"vulkan", "gl"}));
     app.add_option("--count", count, "how many")->check(CLI::Range(1, 65535));
     CLI11_PARSE(app, argc, argv);
     try {

@@ -93,8 +93,8 @@ int main(int argc, char** argv) {
     app.add_option("-o,--output", options.output, "a PNG file for the last frame");
     app.add_flag("!--no-gi", options.indirect, "without lumo");
     app.add_option("--frames", options.frames, "end after so many");
-    app.add_option("--width", options.context.width)->check(CLI::Range(16, 4096));
-    app.add_option("--height", options.context.height)->check(CLI::Range(16, 4096));
+    app.add_option("--width", options.context.width, "pixels")->check(CLI::Range(16, 4096));
+    app.add_option("--height", options.context.height, "pixels")->check(CLI::Range(16, 4096));
     app.add_flag("--check-state", options.check_state, "compare all of OpenGL's state before and after lumo");
     CLI11_PARSE(app, argc, argv);
     try {

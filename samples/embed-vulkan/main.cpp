@@ -91,8 +91,8 @@ int main(int argc, char** argv) {
     app.add_option("-o,--output", options.output, "a PNG file for the last frame");
     app.add_flag("!--no-gi", options.indirect, "without lumo");
     app.add_option("--frames", options.frames, "end after so many");
-    app.add_option("--width", options.host.width)->check(CLI::Range(16, 4096));
-    app.add_option("--height", options.host.height)->check(CLI::Range(16, 4096));
+    app.add_option("--width", options.host.width, "pixels")->check(CLI::Range(16, 4096));
+    app.add_option("--height", options.host.height, "pixels")->check(CLI::Range(16, 4096));
     app.add_flag("--validation", options.host.validation, "the validation layers; what they say is an error");
     app.add_flag("--check", options.check,
                  "compare the host's own picture before lumo came and after it went");

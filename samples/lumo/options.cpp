@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 #include <functional>
 #include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -183,11 +182,11 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
     setting("--materials", "pbr|diffuse", "pbr",
             "diffuse: Lambertian with the base colour, without normal maps",
             one_of<bool>(&frame.diffuse_materials, {{"pbr", false}, {"diffuse", true}}));
-    setting(
-        "--layer", "NAMES", "final",
-        "final, radiance, direct, indirect, irradiance, specular, emission, albedo, normal, depth, voxels; several by "
-        "commas into one EXR, where final is the radiance without a layer's name",
-        into(frame.layers, parse_layers));
+    setting("--layer", "NAMES", "final",
+            "final, radiance, direct, indirect, irradiance, specular, emission, albedo, normal, depth, "
+            "voxels; several by "
+            "commas into one EXR, where final is the radiance without a layer's name",
+            into(frame.layers, parse_layers));
     setting("--plan", "auto|full", "auto", "full: nothing is left out of the frame",
             one_of<frame::PlanMode>(&frame.plan,
                                     {{"auto", frame::PlanMode::automatic}, {"full", frame::PlanMode::full}}));

@@ -81,7 +81,7 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
     Options options;
     CLI::App app{"A window with a triangle."};
-    app.add_option("--api", options.api)->check(CLI::IsMember({"vulkan", "gl"}));
+    app.add_option("--api", options.api, "vulkan if not given")->check(CLI::IsMember({"vulkan", "gl"}));
     app.add_option("--frames", options.frames, "end after so many");
     app.add_option("--screenshot", options.screenshot, "a PNG file for the last frame");
     app.add_flag("!--no-vsync", options.vsync, "do not wait for the screen");
