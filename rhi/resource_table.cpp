@@ -15,6 +15,8 @@ tl::unexpected<Error> undo(Slots<HandleType, Record>& slots, HandleType handle, 
     slots.retire(handle);
     slots.recycle(handle);
     error.message = fmt::format("{}: {}", asked, error.message);
+    if (error.kind == ErrorKind::out_of_memory && error.remedy.empty())
+        error.remedy = "ask for less, or free memory of the device";
     return tl::unexpected(std::move(error));
 }
 
