@@ -18,7 +18,7 @@ Result<scene::Scene> load_scene(const Options& options);
 /// Puts a sun in place of all directional lights.
 void replace_sun(scene::Scene& scene, const Sun& sun);
 
-/// The sun that a frame draws: the first directional light with any intensity; none: irradiance 0.
+/// A scene's sun: its first directional light with any intensity; none: irradiance 0.
 Sun sun_of(const scene::Scene& scene);
 
 /// The camera that the options name. Errors: invalid_argument with the cameras that there are.

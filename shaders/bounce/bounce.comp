@@ -1,5 +1,5 @@
-// Radiance that leaves each voxel's surfaces when the sun lights them and they gather light from the other voxels:
-// one more reflection than the volume that is gathered from holds.
+// Radiance that leaves each voxel's surfaces when analytic lights light them and they gather light from the other
+// voxels: one more reflection than the volume that is gathered from holds.
 #define FLUX 3
 #include "voxels/reflect.glsl"
 const int gather_binding = 5;

@@ -33,8 +33,8 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
                  .several_lights = needs.several_lights})
             .map([&](auto created) { pipeline = std::move(created); });
     };
-    // Emission and environment are reflected for the first time by the first gather, which must not add what
-    // the sun has already done once; where the sun is alone the first gather is its second reflection.
+    // Emission and environment are reflected for the first time by the first gather, which must not add what the
+    // injection has reflected already; where there are analytic lights alone the first gather is the second reflection.
     Result<void> created;
     if (needs.any_light()) created = create_gather(false, made.first_);
     if (created && (!needs.any_light() || count > 1)) created = create_gather(true, made.next_);

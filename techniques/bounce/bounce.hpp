@@ -13,12 +13,12 @@
 namespace lumo::bounce {
 
 struct Settings {
-    uint32_t bounces =
-        1;  ///< reflections before the light reaches the surface that the camera sees, at least 1
+    /// Reflections before the light reaches the surface that the camera sees, at least 1.
+    uint32_t bounces = 1;
     cones::Settings cones = {};
 };
 
-/// What lights the scene beside the sun.
+/// What lights the scene beside analytic lights, and how many those are.
 struct Needs {
     bool emission = false;
     bool environment = false;
@@ -27,7 +27,7 @@ struct Needs {
     constexpr bool any_light() const { return emission || environment; }
 };
 
-/// Gathers needed for a number of bounces: the sun's first reflection is injected, that of emitters and
+/// Gathers needed for a number of bounces: the first reflection of analytic lights is injected, that of emitters and
 /// environment is gathered.
 constexpr uint32_t gathers(const Settings& settings, const Needs& needs) {
     return settings.bounces - (needs.any_light() ? 0 : 1);
@@ -47,8 +47,8 @@ class Bounce {
     Settings settings_;
     Needs needs_;
     cones::Distribution distribution_;
-    std::array<voxels::LightVolume, 2>
-        radiance_;  ///< written in turn; the second only for two gathers or more
+    /// Written in turn; the second only for two gathers or more.
+    std::array<voxels::LightVolume, 2> radiance_;
     rhi::Sampler volume_sampler_;
     rhi::ComputePipeline<shaders::bounce::bounce> first_;  ///< leaves reflected light out
     rhi::ComputePipeline<shaders::bounce::bounce> next_;

@@ -30,7 +30,7 @@ struct Rendered {
     std::string trace;                  ///< the frame's barriers, as rhi::Device::trace, where tracing is on
 };
 
-/// Renders with resolve()d settings. The scene's sun is its first directional light with any intensity; other lights are not drawn. Errors: those of
+/// Renders with resolve()d settings, and of the scene's lights those that shadow::drawn_lights returns. Errors: those of
 /// the device and of the techniques.
 Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const scene::Camera& camera,
                         const Settings& asked);

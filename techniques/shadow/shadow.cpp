@@ -57,14 +57,6 @@ Block block_of(const View& view) {
 
 }  // namespace
 
-rhi::View<Dimension::d2> View::camera_depth(uint32_t camera) const {
-    rhi::View<Dimension::d2> layer{depth};
-    layer.dimension = Dimension::d2;
-    layer.first_layer = camera;
-    layer.layers = 1;
-    return layer;
-}
-
 Result<Shadow> Shadow::create(rhi::Device& device, const Settings& settings, const Needs& needs) {
     if (settings.resolution < 16 || settings.resolution > 16384)
         return fail(ErrorKind::invalid_argument, "shadow map",

@@ -72,12 +72,9 @@ struct View {
     uint32_t resolution = 0;
     std::vector<LitLight> lights;
     rhi::View<rhi::Dimension::d2_array> depth;  ///< a layer per camera, 1 where nothing was hit; unbiased
-    std::optional<rhi::View<rhi::Dimension::d2_array>>
-        position;              ///< world, rgba32_float; a: 1 where something was hit
+    /// World, rgba32_float; a: 1 where something was hit.
+    std::optional<rhi::View<rhi::Dimension::d2_array>> position;
     rhi::UniformBuffer block;  ///< a Block, for shaders/common/lights.glsl
-
-    /// What one camera sees.
-    rhi::View<rhi::Dimension::d2> camera_depth(uint32_t camera) const;
 };
 
 class Shadow {

@@ -19,8 +19,8 @@ enum class MipKind : uint8_t { isotropic, anisotropic };
 /// Values are radiance times opacity; a: opacity.
 struct LightVolume {
     rhi::Texture base;  ///< level 0; isotropic: all mips
-    rhi::Texture
-        directions;  ///< anisotropic: mips from 1 on, as shaders/voxels/mip_directional.comp lays them out
+    /// Anisotropic: mips from 1 on, as shaders/voxels/mip_directional.comp lays them out.
+    rhi::Texture directions;
 
     /// rgba8_unorm, or rgba16_float where 8 bits do not do. Errors: those of the device.
     static Result<LightVolume> create(rhi::Device& device, const std::string& name, uint32_t resolution,

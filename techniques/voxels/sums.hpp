@@ -100,8 +100,8 @@ class Sums {
              const CellLookup& lookup, bool emission, float scale, const Wanted& wanted);
 
     SumsSettings settings_;
-    rhi::Texture
-        sums_[2];  ///< layout: shaders/voxels/accumulator.glsl; the second for emission, if both are kept
+    /// Layout: shaders/voxels/accumulator.glsl; the second for emission, if both are kept.
+    rhi::Texture sums_[2];
     rhi::Texture exchanged_;  ///< one texel where the range exchanges nothing
     rhi::Texture floats_;     ///< one texel unless the range is mutex
     rhi::Buffer dropped_;
