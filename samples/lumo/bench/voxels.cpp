@@ -115,10 +115,11 @@ class Bench {
         return measured;
     }
 
+    /// The range that was asked for, in the rows whose light it can hold.
     voxels::Range range_of(const Row& row) const {
-        if (!row.wide) return voxels::Range::ldr;
-        const bool asked = options_.frame.range && voxels::is_wide(*options_.frame.range);
-        return asked ? *options_.frame.range : voxels::Range::fixed;
+        const std::optional<voxels::Range> asked = options_.frame.range;
+        if (asked && voxels::is_wide(*asked) == row.wide) return *asked;
+        return row.wide ? voxels::Range::fixed : voxels::Range::ldr;
     }
 
   private:
