@@ -171,6 +171,14 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
     setting("--rotate-cones", "on|off", "off",
             "turned about the normal from pixel to pixel: a fine pattern instead of broad bands",
             one_of<bool>(&frame.cones.turned, {{"on", true}, {"off", false}}));
+    setting("--ao-radius", "METRES|auto", "auto",
+            "of the layer ao: what is as far occludes by half, 1 / (1 + distance / radius); auto: a tenth of "
+            "the voxels' grid",
+            [&](const std::string& text) -> Result<void> {
+                frame.ao_radius.reset();
+                if (text == "auto") return {};
+                return parse_distance(text).map([&](float metres) { frame.ao_radius = metres; });
+            });
     setting("--bounces", "N", fmt::to_string(frame.bounces),
             "light is reflected at most N times before the visible surface reflects it",
             [&](const std::string& text) -> Result<void> {
@@ -183,7 +191,7 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
             "diffuse: Lambertian with the base colour, without normal maps",
             one_of<bool>(&frame.diffuse_materials, {{"pbr", false}, {"diffuse", true}}));
     setting("--layer", "NAMES", "final",
-            "final, radiance, direct, indirect, irradiance, specular, emission, albedo, normal, depth, "
+            "final, radiance, direct, indirect, irradiance, specular, ao, emission, albedo, normal, depth, "
             "voxels; several by "
             "commas into one EXR, where final is the radiance without a layer's name",
             into(frame.layers, parse_layers));

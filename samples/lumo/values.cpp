@@ -14,6 +14,7 @@ namespace {
 constexpr uint32_t largest_side = 16384;
 constexpr uint32_t smallest_volume = 16, largest_volume = 1024;
 constexpr double largest_exposure = 64;
+constexpr double shortest_distance = 1e-6, longest_distance = 1e9;  // metres
 
 tl::unexpected<Error> expected(std::string_view text, std::string what) {
     return fail(ErrorKind::invalid_argument, fmt::format("'{}'", text), "expected " + std::move(what));
@@ -146,6 +147,13 @@ Result<float> parse_exposure(std::string_view text) {
     if (!stops || std::abs(*stops) > largest_exposure)
         return expected(text, fmt::format("stops from {} to {}", -largest_exposure, largest_exposure));
     return float(*stops);
+}
+
+Result<float> parse_distance(std::string_view text) {
+    const auto metres = number(text);
+    if (!metres || *metres < shortest_distance || *metres > longest_distance)
+        return expected(text, fmt::format("metres from {} to {}", shortest_distance, longest_distance));
+    return float(*metres);
 }
 
 Result<Shard> parse_shard(std::string_view text) {

@@ -21,6 +21,8 @@ Result<Sun> parse_sun(std::string_view text);              ///< dx,dy,dz:r,g,b o
 Result<std::vector<frame::Layer>> parse_layers(std::string_view text);  ///< by commas, each once
 Result<float> parse_exposure(std::string_view text);                    ///< stops, -64 to 64
 
+Result<float> parse_distance(std::string_view text);  ///< metres, 1e-6 to 1e9
+
 struct Shard {
     uint32_t index = 1;  ///< from 1
     uint32_t count = 1;

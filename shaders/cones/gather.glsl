@@ -9,6 +9,7 @@
 layout(constant_id = 20) const bool gather_reflected = true;     // the radiance volume's light, not its opacity alone
 layout(constant_id = 21) const bool gather_emission = false;     // the emission volume's light
 layout(constant_id = 22) const bool gather_environment = false;  // a constant radiance outside the grid
+layout(constant_id = 28) const bool gather_occlusion = false;    // how near opacity is, in place of its light
 
 const int max_cones = 32;
 
@@ -26,6 +27,7 @@ layout(binding = gather_binding + 4, std140) uniform Gather {
     uint turned;             // 1: cones are turned about the normal from place to place
     vec3 environment;        // radiance, W/m²/sr
     float resolution;        // voxels a side
+    float occlusion_radius;  // voxels; what is as far occludes by half
     vec4 cones[max_cones];   // xy: of the direction about +z; z: tangent of the half-angle; w: share of the irradiance of
                              // a constant environment
 } gather;
@@ -58,6 +60,8 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
         vec4 stored = sample_volume(voxel_radiance, voxel_radiance_directions, uvw, facing, lod, gather.resolution);
         if (stored.a > 0.0) {
             vec3 leaving = gather_reflected ? stored.rgb * gather.radiance_unit : vec3(0);
+            // Occlusion is the irradiance of surfaces that are each as bright as their distance weighs.
+            if (gather_occlusion) leaving = vec3(stored.a / (1.0 + distance / gather.occlusion_radius));
             if (gather_emission && emitted_part > 0.0) {
                 leaving += emitted_part * sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod,
                                          gather.resolution).rgb *

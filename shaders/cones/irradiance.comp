@@ -1,4 +1,4 @@
-// Irradiance of indirect light at every pixel of the G-buffer.
+// Irradiance of indirect light at every pixel of the G-buffer; or the ambient occlusion there, with gather_occlusion.
 #define CAMERA 3
 #include "common/camera.glsl"
 const int gather_binding = 4;
@@ -23,6 +23,7 @@ void main() {
         gathered = gather_irradiance(gather_position(world_from_pixel(vec2(pixel) + 0.5, pixel_depth)),
                                      geometric_normal,
                                      unit(texelFetch(normal_roughness, pixel, 0).xyz), turn_of(uvec2(pixel)));
+        if (gather_occlusion) gathered = max(1.0 - gathered / pi, 0.0);
     }
     imageStore(irradiance, pixel, vec4(gathered, 1));
 }

@@ -11,8 +11,9 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
     Irradiance made;
     made.distribution_ = distribute(settings);
     made.size_ = size;
+    made.name_ = needs.occlusion ? "cones.ao" : "cones.irradiance";
     return device
-        .create_texture({.name = "cones.irradiance",
+        .create_texture({.name = std::string(made.name_),
                          .format = rhi::Format::rgba32_float,
                          .extent = size,
                          .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::storage})
@@ -31,7 +32,8 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
                 {.gather_emission = needs.emission,
                  .gather_environment = needs.environment,
                  .anisotropic = needs.anisotropic,
-                 .octree_levels = needs.octree_levels});
+                 .octree_levels = needs.octree_levels,
+                 .gather_occlusion = needs.occlusion});
         })
         .map([&](rhi::ComputePipeline<shaders::cones::irradiance> pipeline) {
             made.pipeline_ = std::move(pipeline);
@@ -42,7 +44,7 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
 rhi::View<Dimension::d2> Irradiance::record(rhi::Commands& commands, const gbuffer::View& gbuffer,
                                             const Source& source) {
     const Gather gather = make_gather(commands, distribution_, source, volume_sampler_);
-    rhi::Pass pass = commands.pass("cones.irradiance");
+    rhi::Pass pass = commands.pass(name_);
     pass.dispatch(pipeline_,
                   {.depth = {gbuffer.depth, point_sampler_},
                    .normal_roughness = {gbuffer.normal_roughness, point_sampler_},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <string_view>
 
 #include "rhi/rhi.hpp"
 #include "shaders/cones/irradiance.hpp"
@@ -18,7 +19,9 @@ class Irradiance {
                                      rhi::Extent size);
 
     /// Irradiance of indirect light, W/m², over the hemisphere of each pixel's shading normal; 0 where
-    /// nothing was drawn. Returns rgba32_float, a is 1.
+    /// nothing was drawn. Returns rgba32_float, a is 1. With Needs::occlusion, in a pass of its own name, ambient
+    /// occlusion in its place: 1 - the integral over that hemisphere of cos / pi / (1 + distance / radius) where opacity
+    /// is met (the decay of Crassin et al. 2011); 1 is unoccluded; r, g and b are the same.
     rhi::View<rhi::Dimension::d2> record(rhi::Commands& commands, const gbuffer::View& gbuffer,
                                          const Source& source);
 
@@ -31,6 +34,7 @@ class Irradiance {
 
   private:
     Distribution distribution_;
+    std::string_view name_;
     rhi::Extent size_;
     rhi::Texture irradiance_;
     rhi::Sampler volume_sampler_;

@@ -16,6 +16,8 @@ GatherBlock gather_block(const Distribution& distribution, const Source& source)
     block.turned = distribution.turned ? 1 : 0;
     block.environment = source.environment;
     block.resolution = float(volume.grid.resolution);
+    block.occlusion_radius =
+        source.occlusion_radius ? *source.occlusion_radius / volume.grid.voxel_size : 0.1f * block.resolution;
     for (size_t i = 0; i < distribution.cones.size(); ++i) {
         const Cone& cone = distribution.cones[i];
         block.cones[i] =

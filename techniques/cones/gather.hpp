@@ -20,6 +20,7 @@ struct Needs {
     bool environment = false;   ///< light comes from outside the grid
     bool anisotropic = true;    ///< the volume's mips are
     int32_t octree_levels = 0;  ///< as voxels::View
+    bool occlusion = false;     ///< how near opacity is, in place of light
 };
 
 /// The bindings of shaders/cones/gather.glsl.
@@ -34,11 +35,13 @@ struct Gather {
 };
 
 /// What cones gather from. `environment` is the radiance from outside the grid, W/m²/sr. `emitters` are the volume's;
-/// without them the cones of the distribution see all of its emission.
+/// without them the cones of the distribution see all of its emission. What is `occlusion_radius` away, metres above 0,
+/// occludes by half; none: a tenth of the grid's side.
 struct Source {
     voxels::View volume;
     glm::vec3 environment{0};
     std::optional<rhi::UniformBuffer> emitters = {};
+    std::optional<float> occlusion_radius = {};
 };
 
 /// For programs of this submission. `volume_sampler` filters linearly, mips too.

@@ -74,6 +74,14 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
         made = keep(cones::Irradiance::create(device, settings.cones, gather_needs, settings.size),
                     frame.irradiance_);
     }
+    if (made && plan.needs("cones.ao")) {
+        made = keep(cones::Irradiance::create(device, settings.cones,
+                                              {.anisotropic = gather_needs.anisotropic,
+                                               .octree_levels = gather_needs.octree_levels,
+                                               .occlusion = true},
+                                              settings.size),
+                    frame.ao_);
+    }
     const bool specular = plan.needs("cones.specular") && !settings.diffuse_materials;
     if (made && specular)
         made = keep(cones::Specular::create(device, gather_needs, settings.size), frame.specular_);
@@ -105,18 +113,20 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
     if (shadow_) lights = shadow_->record(commands, inputs.geometry, inputs.lights);
 
     std::optional<cones::Source> source;
-    std::optional<rhi::View<rhi::Dimension::d2>> irradiance;
+    std::optional<rhi::View<rhi::Dimension::d2>> irradiance, ao;
     if (volume_) {
         volume_->voxelize(commands, inputs.geometry, facts_.highest_emission);
-        volume_->inject(commands, lights ? &*lights : nullptr);
+        volume_->inject(commands, lights && irradiance_ ? &*lights : nullptr);
         source = {.volume = volume_->view(), .environment = inputs.environment_radiance};
         if (emitters_) source->emitters = emitters_->record(commands, *volume_);
         if (bounce_) source->volume = bounce_->record(commands, *volume_, *source);
-        irradiance = irradiance_->record(commands, gbuffer, *source);
+        if (irradiance_) irradiance = irradiance_->record(commands, gbuffer, *source);
+        source->occlusion_radius = settings_.ao_radius;
+        if (ao_) ao = ao_->record(commands, gbuffer, *source);
     }
 
     std::optional<cones::Gather> gather;
-    if (source && (blend_ || specular_)) {
+    if (irradiance && (blend_ || specular_)) {
         gather =
             cones::make_gather(commands, irradiance_->distribution(), *source, irradiance_->volume_sampler());
     }
@@ -137,6 +147,7 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
                                .indirect = lit.indirect,
                                .irradiance = irradiance,
                                .specular = specular,
+                               .ao = ao,
                                .volume = source ? std::optional(source->volume) : std::nullopt,
                                .volume_emits = emission_});
     if (post_) post_->record(commands, lit.radiance);

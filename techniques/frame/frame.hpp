@@ -56,6 +56,7 @@ class Frame {
     std::optional<bounce::Bounce> bounce_;
     std::optional<cones::Irradiance> irradiance_;
     std::optional<cones::Specular> specular_;
+    std::optional<cones::Irradiance> ao_;
     std::optional<lighting::Lighting> lighting_;
     std::optional<Layers> layers_;
     std::optional<post::Post> post_;

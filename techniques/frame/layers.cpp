@@ -89,6 +89,9 @@ void Layers::record(rhi::Commands& commands, const LayerSources& sources) {
             case Layer::specular:
                 copy(pass, layer, sources.specular, sources);
                 break;
+            case Layer::ao:
+                copy(pass, layer, sources.ao, sources);
+                break;
             case Layer::emission:
                 copy(pass, layer, sources.gbuffer.emission, sources);
                 break;

@@ -22,6 +22,7 @@ struct LayerSources {
     std::optional<rhi::View<rhi::Dimension::d2>> indirect;
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance;
     std::optional<rhi::View<rhi::Dimension::d2>> specular;
+    std::optional<rhi::View<rhi::Dimension::d2>> ao;
     std::optional<voxels::View> volume;
     bool volume_emits = false;
 };

@@ -61,6 +61,10 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
                               : !surfaces  ? "the scene has no triangles"
                                            : "the scene has no light";
 
+    // Opacity is there without light.
+    const bool ao = surfaces && settings.wants(Layer::ao);
+    const bool opacity = gi || ao;
+
     decide("gbuffer", true, fmt::format("{} triangles", facts.triangles), "");
     decide("gbuffer.mask", facts.alpha_mask, "some materials are cut out by alpha",
            "no material has alpha mode MASK");
@@ -70,14 +74,14 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
            "no material emits or is unlit");
     decide("shadow", facts.lights && surfaces, "analytic lights cast shadows",
            facts.lights ? "the scene has no triangles" : "the scene has no analytic light");
-    decide("voxels", gi,
-           fmt::format("indirect light, {0} x {0} x {0}, range {1}", settings.voxels.resolution,
-                       to_string(settings.voxels.range)),
+    decide("voxels", opacity,
+           fmt::format("{0}, {1} x {1} x {1}, range {2}", gi ? "indirect light" : "ambient occlusion",
+                       settings.voxels.resolution, to_string(settings.voxels.range)),
            no_gi);
-    decide("voxels.mask", gi && facts.alpha_mask, "some materials are cut out by alpha",
-           gi ? "no material has alpha mode MASK" : no_gi);
-    decide("voxels.opacity", gi && facts.alpha_blend, "some materials are blended",
-           gi ? "no material has alpha mode BLEND" : no_gi);
+    decide("voxels.mask", opacity && facts.alpha_mask, "some materials are cut out by alpha",
+           opacity ? "no material has alpha mode MASK" : no_gi);
+    decide("voxels.opacity", opacity && facts.alpha_blend, "some materials are blended",
+           opacity ? "no material has alpha mode BLEND" : no_gi);
     decide("voxels.emission", gi && facts.emission, "some materials emit", gi ? "no material emits" : no_gi);
     decide("voxels.light", gi && facts.lights, "the light of analytic lights is injected",
            gi ? "the scene has no analytic light" : no_gi);
@@ -93,6 +97,8 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
                                         : "every material is unlit");
     decide("cones.environment", gi && facts.environment, "light comes from outside the scene",
            gi ? "the environment is black" : no_gi);
+    decide("cones.ao", ao, "the layer ao is asked for",
+           surfaces ? "the layer ao is not asked for" : "the scene has no triangles");
     decide("lighting", true, "every pixel has a radiance", "");
     decide("lighting.specular", facts.specular, "materials have a specular lobe",
            settings.diffuse_materials ? "materials are taken as diffuse" : "every material is unlit");

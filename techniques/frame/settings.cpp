@@ -7,8 +7,8 @@ namespace lumo::frame {
 namespace {
 
 constexpr std::array<std::string_view, layer_count> layer_names = {
-    "final",    "radiance", "direct", "indirect", "irradiance", "specular",
-    "emission", "albedo",   "normal", "depth",    "voxels"};
+    "final", "radiance", "direct", "indirect", "irradiance", "specular",
+    "ao",    "emission", "albedo", "normal",   "depth",      "voxels"};
 
 }  // namespace
 

@@ -23,6 +23,7 @@ enum class Layer : uint8_t {
     indirect,    ///< reflected light that cones gathered
     irradiance,  ///< what indirect reflects, W/m²
     specular,    ///< indirect light that the specular lobe reflects
+    ao,          ///< ambient occlusion: 1 where nothing is near, 0 where all is hidden or nothing is drawn
     emission,
     albedo,
     normal,  ///< shading normal, world space
@@ -45,6 +46,8 @@ struct Settings {
     voxels::Settings voxels = {};
     std::optional<voxels::Range> range = {};  ///< voxels.range; none: what the scene's light needs
     cones::Settings cones = {};
+    std::optional<float> ao_radius =
+        {};  ///< metres, above 0, where occlusion counts half; none: grid's side / 10
     shadow::Settings shadow = {};
     post::Settings post = {};
 

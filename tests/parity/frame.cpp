@@ -16,9 +16,9 @@ namespace {
 using namespace testing_support;
 using frame::Layer;
 
-const std::vector<Layer> hdr_layers{Layer::radiance,   Layer::direct,   Layer::indirect,
-                                    Layer::irradiance, Layer::emission, Layer::albedo,
-                                    Layer::normal,     Layer::depth,    Layer::voxels};
+const std::vector<Layer> hdr_layers{Layer::radiance, Layer::direct, Layer::indirect, Layer::irradiance,
+                                    Layer::emission, Layer::albedo, Layer::normal,   Layer::depth,
+                                    Layer::voxels,   Layer::ao};
 
 frame::Settings settings_for(uint32_t voxels, uint32_t bounces = 1) {
     frame::Settings settings{.size = {160, 90}, .bounces = bounces, .layers = hdr_layers};
@@ -149,7 +149,8 @@ TEST_P(FramePlanTest, NothingOutsideThePlanIsRunOrHeld) {
          {"voxels.emission"}},
         {"voxels.light", {"voxels.light"}, {}},
         {"voxels.bounce", {"bounce"}, {"bounce."}},
-        {"cones", {"cones.irradiance"}, {"cones."}},
+        {"cones", {"cones.irradiance"}, {"cones.irradiance"}},
+        {"cones.ao", {"cones.ao"}, {"cones.ao"}},
         {"blend", {"lighting.blend"}, {}},
         {"post", {"post.display"}, {"post."}},
     };

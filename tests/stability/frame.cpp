@@ -21,7 +21,7 @@ using scene::builtin::parallelogram;
 
 const std::vector<Layer> all_layers{Layer::radiance, Layer::direct, Layer::indirect, Layer::irradiance,
                                     Layer::emission, Layer::albedo, Layer::normal,   Layer::depth,
-                                    Layer::voxels,   Layer::final};
+                                    Layer::voxels,   Layer::ao,     Layer::final};
 
 struct FrameStabilityTest : DeviceTest {
     frame::Rendered render(const scene::Scene& scene, frame::Settings settings = {}) {

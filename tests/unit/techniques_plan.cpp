@@ -92,6 +92,31 @@ TEST(Plan, WithoutIndirectLightNoVoxels) {
     EXPECT_THAT(item(plan, "voxels").why, HasSubstr("off"));
 }
 
+/// Opacity needs no light, nor indirect light to be wanted.
+TEST(Plan, AmbientOcclusionOnlyWhereItIsAskedFor) {
+    const Settings asked{.gi = false, .layers = {Layer::ao}};
+    SceneFacts facts = surfaces();
+    facts.alpha_mask = true;
+    EXPECT_THAT(needed(make_plan(facts, asked)),
+                UnorderedElementsAre("gbuffer", "gbuffer.mask", "voxels", "voxels.mask", "cones.ao",
+                                     "lighting", "lighting.specular"));
+    EXPECT_THAT(item(make_plan(facts, asked), "cones.ao").why, HasSubstr("asked for"));
+    EXPECT_THAT(item(make_plan(facts, {}), "cones.ao").why, HasSubstr("not asked for"));
+    EXPECT_FALSE(make_plan({}, asked).needs("cones.ao"));
+}
+
+TEST(Layers, NamesAreRead) {
+    std::set<std::string_view> names;
+    for (int i = 0; i < layer_count; ++i) {
+        const auto name = to_string(Layer(i));
+        EXPECT_EQ(layer_from_string(name), Layer(i)) << name;
+        names.insert(name);
+    }
+    EXPECT_EQ(names.size(), size_t(layer_count));
+    EXPECT_EQ(layer_from_string("ao"), Layer::ao);
+    EXPECT_FALSE(layer_from_string("glow"));
+}
+
 TEST(Plan, DisplayOnlyWhereItIsShown) {
     EXPECT_TRUE(make_plan(surfaces(), {.layers = {Layer::radiance, Layer::final}}).needs("post"));
     EXPECT_FALSE(make_plan(surfaces(), {.layers = {Layer::radiance, Layer::depth}}).needs("post"));
