@@ -1,4 +1,7 @@
 // lumo bench: that it measures what it says. How fast anything is, no test decides.
+#include <fmt/format.h>
+#include <map>
+
 #include "program.hpp"
 
 namespace lumo::test {
@@ -48,6 +51,38 @@ TEST_F(Bench, RhiAsATable) {
     for (const char* part : {"dispatch", "draw", "upload buffer", "read texture", "over wall"})
         EXPECT_TRUE(contains(run.out, part)) << run.out;
     EXPECT_FALSE(contains(run.out, "vulkan")) << run.out;
+}
+
+TEST_F(Bench, VoxelsMeasuresEveryRowInItsOwnConfiguration) {
+    const Outcome run = done({"bench", "voxels", "cornell", "--api", "gl", "--runs", "1", "--voxels", "32",
+                              "--size", "32x18", "--quiet", "--json"});
+    const auto json = nlohmann::json::parse(run.out);
+    ASSERT_EQ(json["apis"].size(), 1u);
+    std::map<std::string, uint64_t> bytes;
+    for (const auto& row : json["apis"][0]["rows"]) {
+        for (const char* column : {"V", "RI", "CT_3", "CT_9", "CT_18"}) expect_spread(row["ms"][column]);
+        EXPECT_EQ(row["range"], contains(row["row"].get<std::string>(), "HDR") ? "fixed" : "ldr");
+        bytes[row["row"]] = row["voxel_bytes"];
+    }
+    ASSERT_EQ(bytes.size(), 8u);
+    // Half floats take twice the room of 8 bits, six directions more than none.
+    for (const char* layout : {"VT ISO", "VT ANI", "SVO ISO", "SVO ANI"})
+        EXPECT_GT(bytes[fmt::format("{} HDR 32", layout)], bytes[fmt::format("{} LDR 32", layout)]) << layout;
+    EXPECT_GT(bytes["VT ANI LDR 32"], bytes["VT ISO LDR 32"]);
+    EXPECT_EQ(json["apis"][0]["ratios"].size(), 6u);
+}
+
+TEST_F(Bench, MemoryCountsNodesOfEveryDimension) {
+    const Outcome run = done({"bench", "memory", "cornell", "--voxels", "64", "--quiet", "--json"});
+    const auto json = nlohmann::json::parse(run.out);
+    ASSERT_EQ(json["apis"].size(), 2u);
+    EXPECT_EQ(json["apis"][0]["rows"], json["apis"][1]["rows"]) << "both APIs mark the same voxels";
+    const auto& rows = json["apis"][0]["rows"];
+    ASSERT_EQ(rows.size(), 2u);
+    // Surfaces: four times the voxels where there are twice as many a side.
+    const double small = rows[0]["occupied"][0], large = rows[1]["occupied"][0];
+    EXPECT_NEAR(large / small, 4, 0.5);
+    EXPECT_GT(rows[1]["nodes_as_the_paper_counts"], rows[0]["nodes_as_the_paper_counts"]);
 }
 
 TEST_F(Bench, RefusesWhatItCannotMeasure) {

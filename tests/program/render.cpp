@@ -100,24 +100,26 @@ TEST_P(RenderOnApi, FullPlanGivesTheSameBits) {
 
 TEST_P(RenderOnApi, LayersAddUpToRadiance) {
     done(on_api({"render", "cornell", "--sun", "0.1,0.5,1:3,2,1", "-o", "layers.exr", "--layer",
-                 "final,radiance,direct,indirect,emission,irradiance,albedo,normal,depth,voxels"}));
+                 "final,radiance,direct,indirect,specular,emission,irradiance,albedo,normal,depth,voxels"}));
     std::map<std::string, scene::ImageF> layers;
     auto read = exr("layers.exr");
     for (scene::ExrLayer& layer : read) layers[layer.name] = std::move(layer.image);
-    ASSERT_EQ(layers.size(), 10);
+    ASSERT_EQ(layers.size(), 11);
     EXPECT_EQ(layers[""].values, layers["radiance"].values);
     EXPECT_EQ(layers["depth"].channels, 1);
-    double direct = 0, indirect = 0, emission = 0;
+    double direct = 0, indirect = 0, specular = 0, emission = 0;
     for (size_t i = 0; i < layers["radiance"].values.size(); ++i) {
-        const float sum =
-            layers["direct"].values[i] + layers["indirect"].values[i] + layers["emission"].values[i];
+        const float sum = layers["direct"].values[i] + layers["indirect"].values[i] +
+                          layers["specular"].values[i] + layers["emission"].values[i];
         EXPECT_NEAR(layers["radiance"].values[i], sum, 1e-5 * std::max(sum, 1.0f)) << i;
         direct += layers["direct"].values[i];
         indirect += layers["indirect"].values[i];
+        specular += layers["specular"].values[i];
         emission += layers["emission"].values[i];
     }
     EXPECT_GT(direct, 0);
     EXPECT_GT(indirect, 0);
+    EXPECT_GT(specular, 0);
     EXPECT_GT(emission, 0);
 
     const auto& depth = layers["depth"].values;
@@ -224,9 +226,22 @@ TEST_F(Render, ExplainPrintsThePlan) {
 }
 
 TEST_F(Render, ConfigRepeatsARun) {
-    done(small({"render", "cornell", "--exposure", "2.5", "--tonemap", "agx", "--camera",
-                "0.3,2.7,13:0.1,2.5,0:38", "--sun", "0.1,0.5,1:3,2,1", "--cones", "5", "--materials",
-                "diffuse", "--photometric", "-o", "a.png", "--stats", "a.json"}));
+    done(small({"render",         "cornell",
+                "--exposure",     "2.5",
+                "--tonemap",      "agx",
+                "--camera",       "0.3,2.7,13:0.1,2.5,0:38",
+                "--sun",          "0.1,0.5,1:3,2,1",
+                "--cones",        "5",
+                "--apertures",    "nonuniform",
+                "--rotate-cones", "on",
+                "--storage",      "svo",
+                "--mips",         "iso",
+                "--range",        "fixed",
+                "--voxelizer",    "raster",
+                "--materials",    "diffuse",
+                "--photometric",  "-o",
+                "a.png",          "--stats",
+                "a.json"}));
     done({"render", "--config", "a.json", "--quiet", "-o", "b.png", "--stats", "b.json"});
     EXPECT_EQ(json("a.json")["settings"], json("b.json")["settings"]);
     EXPECT_EQ(bytes("a.png"), bytes("b.png"));
