@@ -1,6 +1,6 @@
-// Light of the analytic lights per voxel: the words that voxels/light.glsl sums in an r32_uint volume, flux_words texels
-// along x per cell. What of the surfaces is lit, and where lights are of several kinds the flux too, in red, green and
-// blue.
+// Light of the analytic lights per voxel: the words that voxels/light.comp sums in an r32_uint volume, flux_words texels
+// along x per cell. What of the surfaces is lit, and unless one directional light is all there is the flux too, in red,
+// green and blue.
 
 layout(constant_id = 30) const bool several_lights = false;  // anything but one directional light
 

@@ -9,8 +9,6 @@ namespace {
 using rhi::Dimension;
 using rhi::Format;
 
-/// brick_side of shaders/voxels/octree.glsl.
-constexpr uint32_t brick_side = 5;
 /// Cells of the list lie in squares of this side: many texels a cell still fit into a row.
 constexpr uint32_t cells_a_row = 128;
 

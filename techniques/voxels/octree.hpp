@@ -18,6 +18,9 @@
 
 namespace lumo::voxels {
 
+/// Texels along a brick of shaders/voxels/octree.glsl: four voxels, and the one that follows them.
+inline constexpr uint32_t brick_side = 5;
+
 struct OctreeSettings {
     uint32_t resolution = 128;  ///< voxels a side, a power of two, 16 to 1024
     MipKind mips = MipKind::anisotropic;

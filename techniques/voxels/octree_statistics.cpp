@@ -8,7 +8,7 @@
 namespace lumo::voxels {
 namespace {
 
-constexpr uint64_t brick_texels = 5 * 5 * 5;
+constexpr uint64_t brick_texels = uint64_t(brick_side) * brick_side * brick_side;
 
 /// Marks a scene's voxels and derives its nodes; waits for it.
 Result<Occupancy> mark(rhi::Device& device, const scene::GeometryView& geometry, uint32_t resolution,

@@ -141,12 +141,22 @@ TEST_P(OctreeSceneTest, PicturesAreTheVolumes) {
 }
 
 TEST_P(OctreeSceneTest, NothingToHold) {
+    scene::Scene empty;
+    empty.environment_radiance = {0.25f, 0.5f, 1};
     frame::Settings settings{.size = {16, 16},
-                             .layers = {frame::Layer::irradiance, frame::Layer::voxels},
+                             .layers = {frame::Layer::radiance, frame::Layer::irradiance,
+                                        frame::Layer::specular, frame::Layer::voxels},
                              .plan = frame::PlanMode::full};
-    settings.voxels = {.resolution = 16, .storage = Storage::octree};
-    for (const frame::LayerImage& layer : render({}, settings).layers)
-        for (const float value : layer.linear.values) EXPECT_EQ(value, 0) << to_string(layer.layer);
+    for (const Storage storage : {Storage::dense, Storage::octree}) {
+        settings.voxels = {.resolution = 16, .storage = storage};
+        for (const frame::LayerImage& layer : render(empty, settings).layers) {
+            const bool sees_environment = layer.layer == frame::Layer::radiance;
+            for (size_t i = 0; i < layer.linear.values.size(); ++i)
+                ASSERT_EQ(layer.linear.values[i],
+                          sees_environment ? empty.environment_radiance[int(i % 3)] : 0)
+                    << to_string(layer.layer);
+        }
+    }
 
     // One voxel, and what is thinner than any.
     scene::Scene speck;
