@@ -89,7 +89,7 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
            "voxels gather light from each other",
            gi ? "all light is that of analytic lights, reflected once by injection" : no_gi);
     decide("cones", gi, fmt::format("{} cones a pixel", settings.cones.count), no_gi);
-    decide("cones.emitters", gi && facts.emission, "small emitters are lit by one by one",
+    decide("cones.emitters", gi && facts.emission, "cones are sent to small emitters one by one",
            gi ? "no material emits" : no_gi);
     decide("cones.specular", gi && facts.specular, "materials have a specular lobe",
            !gi                          ? no_gi
