@@ -92,7 +92,9 @@ class Object {
     }
 
   private:
+    /// Arrays and objects by their kind alone: how deep they go is the file's choice.
     static std::string shown(const Json& json) {
+        if (json.is_structured()) return fmt::format("an {}", json.type_name());
         return scene::printable(json.dump(-1, ' ', false, Json::error_handler_t::replace), 60);
     }
     std::string name(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }

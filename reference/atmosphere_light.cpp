@@ -372,7 +372,7 @@ Estimate radiance(const AtmosphereOptics& optics, const SkyView& view, const Pat
 }
 
 /// Directions half by the cosine, half by the aerosols' lobe about the sun, weighted by the balance of both
-/// (Veach 1997, equation 9.8).
+/// (Veach 1997, section 9.2.2).
 Estimate sky_irradiance(const AtmosphereOptics& optics, const SkyView& view, const PathSettings& settings) {
     const glm::dvec3 to_sun = direction(view.sun_zenith_deg, 0);
     PathIntegrator paths(optics, to_sun, settings);

@@ -24,7 +24,7 @@ struct SkyView {
 };
 
 /// Radiance of order 1, W/m²/sr/nm: the integral along the view ray over transmittance · scattering · phase · sun
-/// (Bruneton and Neyret 2008, equation 8 for the sun alone). `tolerance` is the relative error aimed at.
+/// (Bruneton and Neyret 2008, section 2.2, with the sun as the only light). `tolerance` is the relative error aimed at.
 Spectrum radiance_order1(const AtmosphereOptics& optics, const SkyView& view, double tolerance = 1e-7);
 
 /// Which events a Monte Carlo estimate counts, and how well.

@@ -38,7 +38,7 @@ struct AirPath {
 /// travels before and after.
 double rayleigh_phase(double nu);
 /// Cornette and Shanks 1992, Physically reasonable analytic expression for the single-scattering phase function,
-/// equation 8.
+/// as Bruneton and Neyret 2008 have it in section 2.1.
 double cornette_shanks_phase(double nu, double g);
 
 /// Exact to the last place at multiples of 90 degrees.
