@@ -54,7 +54,7 @@ double mean(const scene::ImageF& image) {
     return sum / double(image.values.size());
 }
 
-/// A lit wall 0.4 m before a dark wall of some thickness, whose far side a black floor lies at. All turned about y.
+/// A lit wall 0.4 m before a dark wall of some thickness, a black floor behind it. All turned about y.
 scene::Scene divided(float wall, float turn) {
     scene::Scene scene;
     const glm::mat4 turned = glm::rotate(glm::mat4(1), turn, glm::vec3(0, 1, 0));
@@ -67,7 +67,8 @@ scene::Scene divided(float wall, float turn) {
     return scene;
 }
 
-/// Light that arrives behind a wall, as a share of what arrives without it, from a tenth of the grid on.
+/// Light that arrives behind a wall, as a share of what arrives without it. The wall is hollow; what is turned by 45
+/// degrees lies in voxels as a staircase.
 TEST_P(ConesQualityTest, LittleLightLeaksThroughThinWalls) {
     constexpr float voxel = 3.0f / (resolution - 1);
     struct Case {
