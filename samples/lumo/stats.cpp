@@ -30,6 +30,7 @@ nlohmann::ordered_json stats_of(const rhi::DeviceInfo& device, const frame::Rend
         {"left_out", left_out},
         {"wall_ms", rendered.wall_ms},
         {"timing_mode", device.timing == rhi::Timing::overlapped ? "overlapped" : "serialised"},
+        {"range", voxels::to_string(rendered.range)},
         {"dropped_voxel_writes", rendered.dropped_voxel_writes},
     };
 }

@@ -10,7 +10,7 @@
 
 namespace lumo::program {
 
-/// One frame: api, device, driver, settings, passes, memory, left_out, wall_ms, timing_mode,
+/// One frame: api, device, driver, settings, passes, memory, left_out, wall_ms, timing_mode, range,
 /// dropped_voxel_writes.
 nlohmann::ordered_json stats_of(const rhi::DeviceInfo& device, const frame::Rendered& rendered,
                                 const nlohmann::ordered_json& settings);

@@ -10,7 +10,6 @@ SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
     for (const scene::Instance& instance : scene.instances) {
         for (const scene::Primitive& primitive : scene.meshes[instance.mesh].primitives) {
             const scene::Material& material = scene.materials[primitive.material];
-            facts.opaque |= material.alpha_mode == scene::AlphaMode::opaque;
             facts.alpha_mask |= material.alpha_mode == scene::AlphaMode::mask;
             facts.alpha_blend |= material.alpha_mode == scene::AlphaMode::blend;
             facts.unlit |= material.unlit;

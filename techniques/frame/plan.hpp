@@ -16,8 +16,7 @@ namespace lumo::frame {
 /// What a plan has to know of a scene.
 struct SceneFacts {
     uint64_t triangles = 0;
-    bool opaque = false;       ///< some surface of an instance is opaque
-    bool alpha_mask = false;   ///< … cut out by alpha
+    bool alpha_mask = false;   ///< some surface of an instance is cut out by alpha
     bool alpha_blend = false;  ///< … blended
     bool emission = false;     ///< … emits light
     bool unlit = false;        ///< … shows its colour as it is

@@ -59,6 +59,7 @@ Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const sc
     rendered.trace = device.trace(submission);
     const Result<uint32_t> dropped = frame->dropped_voxel_writes(device);
     if (!dropped) return tl::unexpected(dropped.error());
+    rendered.range = settings.voxels.range;
     rendered.dropped_voxel_writes = *dropped;
 
     for (const Layer layer : settings.layers) {

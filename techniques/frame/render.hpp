@@ -26,8 +26,9 @@ struct Rendered {
     std::vector<rhi::PassTime> passes;
     std::vector<rhi::MemoryEntry> memory;
     double wall_ms = 0;  ///< of recording and running the frame; loading and compiling are not in it
-    uint32_t dropped_voxel_writes = 0;  ///< by voxels::Range mutex or average; the others drop none
-    std::string trace;                  ///< the frame's barriers, as rhi::Device::trace, where tracing is on
+    voxels::Range range = voxels::Range::ldr;  ///< of the voxels, as the settings or the scene chose it
+    uint32_t dropped_voxel_writes = 0;         ///< by voxels::Range mutex or average; the others drop none
+    std::string trace;  ///< the frame's barriers, as rhi::Device::trace, where tracing is on
 };
 
 /// Renders with resolve()d settings, and of the scene's lights those that shadow::drawn_lights returns. Errors: those of

@@ -46,8 +46,8 @@ struct Settings {
     voxels::Settings voxels = {};
     std::optional<voxels::Range> range = {};  ///< voxels.range; none: what the scene's light needs
     cones::Settings cones = {};
-    std::optional<float> ao_radius =
-        {};  ///< metres, above 0, where occlusion counts half; none: grid's side / 10
+    /// Metres, above 0, where occlusion counts half; none: a tenth of the grid's side.
+    std::optional<float> ao_radius = {};
     shadow::Settings shadow = {};
     post::Settings post = {};
 

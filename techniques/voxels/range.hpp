@@ -11,7 +11,7 @@ namespace lumo::voxels {
 ///   - ldr: 8 bits. Sums of integers, the same in any order; emission above 1 W/m²/sr counts as 1.
 ///   - average: 8 bits. The paper's running mean with a count, in one word by compare-and-swap.
 ///   - mutex: half floats. The paper's lock per voxel around four floats; what finds no way in is dropped and counted.
-///   - rgbe: half floats. Ward's shared exponent, in one word by compare-and-swap; nothing is dropped.
+///   - rgbe: half floats. Ward's shared exponent, in one word by compare-and-swap; dropped only after 65 535 tries.
 ///   - fixed: half floats. Sums of integers, of 64 bits for emission, in units of the scene's highest emission.
 enum class Range : uint8_t { ldr, average, mutex, rgbe, fixed };
 

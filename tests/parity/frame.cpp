@@ -16,9 +16,9 @@ namespace {
 using namespace testing_support;
 using frame::Layer;
 
-const std::vector<Layer> hdr_layers{Layer::radiance, Layer::direct, Layer::indirect, Layer::irradiance,
-                                    Layer::emission, Layer::albedo, Layer::normal,   Layer::depth,
-                                    Layer::voxels,   Layer::ao};
+const std::vector<Layer> hdr_layers{Layer::radiance, Layer::direct,   Layer::indirect, Layer::irradiance,
+                                    Layer::specular, Layer::emission, Layer::albedo,   Layer::normal,
+                                    Layer::depth,    Layer::voxels,   Layer::ao};
 
 frame::Settings settings_for(uint32_t voxels, uint32_t bounces = 1) {
     frame::Settings settings{.size = {160, 90}, .bounces = bounces, .layers = hdr_layers};

@@ -28,7 +28,7 @@ const PlanItem& item(const Plan& plan, std::string_view what) {
     throw std::runtime_error("the plan does not mention " + std::string(what));
 }
 
-SceneFacts surfaces() { return {.triangles = 12, .opaque = true, .specular = true}; }
+SceneFacts surfaces() { return {.triangles = 12, .specular = true}; }
 
 TEST(Plan, EmptySceneNeedsAPictureAlone) {
     const SceneFacts facts{.lights = true};
@@ -180,7 +180,7 @@ scene::Scene with_material(scene::Material material) {
 }
 
 TEST(Examine, FindsWhatMaterialsAre) {
-    EXPECT_TRUE(examine(with_material({}), {}).opaque);
+    EXPECT_FALSE(examine(with_material({}), {}).alpha_mask);
     EXPECT_TRUE(examine(with_material({.alpha_mode = scene::AlphaMode::mask}), {}).alpha_mask);
     EXPECT_TRUE(examine(with_material({.alpha_mode = scene::AlphaMode::blend}), {}).alpha_blend);
     EXPECT_TRUE(examine(with_material({.unlit = true}), {}).unlit);
