@@ -1,5 +1,5 @@
-// The finest anisotropic mip, as voxels/mip_directional.comp makes the others: from level 0, which has no directions, so
-// that a voxel's eight children are read once for all six. What is empty is left as it is, 0.
+// The finest anisotropic mip, as seen_along() of voxels/filter.glsl makes the others: from level 0, which has no
+// directions, so that a voxel's eight children are read once for all six. What is empty is left as it is, 0.
 #include "common/voxel_grid.glsl"
 
 layout(local_size_x = 8, local_size_y = 4, local_size_z = 2) in;

@@ -1,5 +1,5 @@
-// Bricks of one level from those of the next finer one, as voxels/mip.comp and voxels/mip_directional.comp do it in a
-// volume, to the bit: a word of nodes a group, a texel a thread. The includer defines FORMAT, the pool's.
+// Bricks of one level from those of the next finer one, filtered as in a volume, to the bit: a word of nodes a group, a
+// texel a thread. The includer defines FORMAT, the pool's.
 //
 // Anisotropic: the pool has a part for each direction, side by side along x.
 #include "common/voxel_grid.glsl"
@@ -25,30 +25,7 @@ vec4 finer_texel(ivec3 texel, int direction) {
     if (from_fine) return texelFetch(fine, texel, 0);
     return imageLoad(coarse, texel + ivec3(direction * direction_width(), 0, 0));
 }
-
-vec4 mean_of(ivec3 first_child) {
-    precise vec4 sum = vec4(0);
-    for (int child = 0; child < 8; ++child) {
-        sum += finer_texel(first_child + (ivec3(child) >> ivec3(0, 1, 2) & 1), 0);
-    }
-    return sum / 8.0;
-}
-
-vec4 seen_along(int direction, ivec3 first_child) {
-    int axis = direction >> 1;
-    ivec3 deeper = ivec3(axis == 0, axis == 1, axis == 2);
-    ivec3 right = deeper.zxy;
-    ivec3 up = deeper.yzx;
-    ivec3 near = (direction & 1) == 0 ? ivec3(0) : deeper;
-    ivec3 far = deeper - near;
-    precise vec4 sum = vec4(0);
-    for (int i = 0; i < 4; ++i) {
-        ivec3 pair = first_child + (i & 1) * right + (i >> 1) * up;
-        vec4 front = finer_texel(pair + near, direction);
-        sum += front + (1.0 - front.a) * finer_texel(pair + far, direction);
-    }
-    return sum / 4.0;
-}
+#include "voxels/filter.glsl"
 
 bool is_occupied(ivec3 voxel) {
     // The single voxel at the top has no occupancy of its own.
