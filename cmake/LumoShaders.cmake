@@ -8,7 +8,7 @@
 #
 # What tests need, for example, lies beside them:
 #   file(GLOB_RECURSE files CONFIGURE_DEPENDS shaders/*.comp)
-#   lumo_shaders(device_shaders ROOT ${CMAKE_CURRENT_SOURCE_DIR}/shaders FILES ${files})
+#   lumo_shaders(test_shaders ROOT ${CMAKE_CURRENT_SOURCE_DIR}/shaders FILES ${files})
 # for shaders/test_rhi/fill.comp, the type lumo::shaders::test_rhi::fill.
 function(lumo_shaders name)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "ROOT" "FILES")

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "techniques/frame/render.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/voxels.hpp"
 
 namespace lumo {

@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo {
 namespace {

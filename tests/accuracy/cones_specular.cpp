@@ -9,7 +9,7 @@
 #include "scene/builtin/builtin.hpp"
 #include "techniques/cones/specular.hpp"
 #include "techniques/frame/render.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/voxels.hpp"
 
 namespace lumo {

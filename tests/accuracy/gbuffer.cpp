@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "shaders/test_accuracy/position.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/rendering.hpp"
 
 namespace lumo::gbuffer {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/rendering.hpp"
 
 namespace lumo::scene {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/rendering.hpp"
 
 namespace lumo::lighting {

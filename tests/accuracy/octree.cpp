@@ -11,7 +11,7 @@
 #include <set>
 
 #include "shaders/test_accuracy/sample_voxels.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/octree.hpp"
 #include "tests/support/voxelizer.hpp"
 

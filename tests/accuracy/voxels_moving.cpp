@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/builtin/builtin.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/voxels.hpp"
 
 namespace lumo {

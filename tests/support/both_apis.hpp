@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <optional>
 
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::testing_support {
 

@@ -3,7 +3,7 @@
 
 #include <tuple>
 
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/voxels.hpp"
 
 namespace lumo::testing_support {

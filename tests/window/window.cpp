@@ -5,7 +5,7 @@
 #include <functional>
 #include <thread>
 
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/window/x_server.hpp"
 
 namespace lumo::backends {

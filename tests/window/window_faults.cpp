@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "backends/window.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/faults.hpp"
 #include "tests/window/x_server.hpp"
 

@@ -8,12 +8,13 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
+
+#include "tests/support/required.hpp"
 
 namespace lumo::testing_support {
 namespace {
@@ -52,8 +53,7 @@ XWindow find_below(Display* display, XWindow parent, const std::string& title) {
 
 std::unique_ptr<XServer> XServer::start() {
     auto server = try_start();
-    const char* required = std::getenv("LUMO_REQUIRE_APIS");
-    if (!server && required && std::string(required) == "1")
+    if (!server && apis_required())
         [] { FAIL() << "Xvfb does not start: install xvfb"; }();  // fatal: the test goes no further
     return server;
 }

@@ -8,7 +8,7 @@
 #include "rhi/disk_cache.hpp"
 #include "shaders/test_rhi/advance.hpp"
 #include "shaders/test_rhi/store_d2.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/full_disk.hpp"
 
 namespace lumo::rhi {

@@ -3,8 +3,8 @@
 #include "samples/embed-gl/state_dump.hpp"
 #include "scene/builtin/builtin.hpp"
 #include "techniques/frame/render.hpp"
-#include "tests/device/device_fixture.hpp"
-#include "tests/device/gl_host.hpp"
+#include "tests/adopt/gl_host.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo {
 namespace {

@@ -2,7 +2,6 @@
 // the RHI said something that fails by rhi/check.hpp, unless it expected and took it.
 #pragma once
 
-#include <cstdlib>
 #include <cstring>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +13,7 @@
 
 #include "backends/backends.hpp"
 #include "rhi/rhi.hpp"
+#include "tests/support/required.hpp"
 
 namespace lumo::testing_support {
 
@@ -32,18 +32,16 @@ struct CheckedDevice {
     }
 };
 
-/// A device of this API; none when the API finds no device, which is a test failure where the environment
-/// has LUMO_REQUIRE_APIS=1. Any other error is a failure everywhere.
+/// A device of this API; none when the API finds no device, which is a test failure where
+/// apis_required(). Any other error is a failure everywhere.
 inline std::optional<CheckedDevice> open_device(rhi::Api api, rhi::DeviceDesc desc = {}) {
     CheckedDevice checked;
     desc.validation = true;
     desc.sink = [messages = checked.messages](const rhi::Message& message) { messages->push_back(message); };
     auto made = backends::create_device(api, desc);
     if (!made) {
-        const char* required = std::getenv("LUMO_REQUIRE_APIS");
         const bool absent = made.error().kind == ErrorKind::no_device;
-        if (!absent || (required && std::string_view(required) == "1"))
-            ADD_FAILURE() << to_string(made.error());
+        if (!absent || apis_required()) ADD_FAILURE() << to_string(made.error());
         return {};
     }
     checked.device.emplace(std::move(*made));

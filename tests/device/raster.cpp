@@ -12,8 +12,8 @@
 #include "shaders/test_rhi/sample_multisample.hpp"
 #include "shaders/test_rhi/several.hpp"
 #include "shaders/test_rhi/tally.hpp"
-#include "tests/device/device_fixture.hpp"
 #include "tests/device/texels.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::rhi {
 namespace {

@@ -5,8 +5,8 @@
 #include "shaders/test_rhi/sample_d2.hpp"
 #include "shaders/test_rhi/sample_d2_sint.hpp"
 #include "shaders/test_rhi/sample_d2_uint.hpp"
-#include "tests/device/device_fixture.hpp"
 #include "tests/device/texels.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::rhi {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/device/every_operation.hpp"
+#include "tests/adopt/every_operation.hpp"
 
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
@@ -17,7 +17,7 @@
 #include "shaders/test_rhi/several.hpp"
 #include "shaders/test_rhi/store_d3.hpp"
 #include "shaders/test_rhi/tally.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::testing_support {
 namespace {

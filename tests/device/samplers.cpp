@@ -7,7 +7,7 @@
 #include "shaders/test_rhi/sample_cube.hpp"
 #include "shaders/test_rhi/sample_d2.hpp"
 #include "shaders/test_rhi/sample_d3.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::rhi {
 namespace {

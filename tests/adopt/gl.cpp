@@ -6,9 +6,9 @@
 #include "samples/embed-gl/state_dump.hpp"
 #include "shaders/test_rhi/sample_d2.hpp"
 #include "shaders/test_rhi/store_d2.hpp"
-#include "tests/device/device_fixture.hpp"
-#include "tests/device/every_operation.hpp"
-#include "tests/device/gl_host.hpp"
+#include "tests/adopt/every_operation.hpp"
+#include "tests/adopt/gl_host.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::rhi {
 namespace {

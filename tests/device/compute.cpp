@@ -5,7 +5,7 @@
 #include "shaders/test_rhi/arguments.hpp"
 #include "shaders/test_rhi/count.hpp"
 #include "shaders/test_rhi/scale.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::rhi {
 namespace {

@@ -5,7 +5,7 @@
 #include "shadercompiler/compile.hpp"
 #include "shaders/test_rhi/advance.hpp"
 #include "shaders/test_rhi/pull.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/faults.hpp"
 #include "tests/support/full_disk.hpp"
 

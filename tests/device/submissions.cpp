@@ -8,7 +8,7 @@
 #include "shaders/test_rhi/scale.hpp"
 #include "shaders/test_rhi/several.hpp"
 #include "shaders/test_rhi/spin.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::rhi {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/device/gl_host.hpp"
+#include "tests/adopt/gl_host.hpp"
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>

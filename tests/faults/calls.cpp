@@ -11,7 +11,7 @@
 #include "shaders/test_rhi/scale.hpp"
 #include "shaders/test_rhi/several.hpp"
 #include "shaders/test_rhi/store_d2.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/faults.hpp"
 
 namespace lumo::rhi {

@@ -13,8 +13,8 @@
 #include "shaders/test_rhi/sample_d2.hpp"
 #include "shaders/test_rhi/scale.hpp"
 #include "shaders/test_rhi/store_d2.hpp"
-#include "tests/device/device_fixture.hpp"
-#include "tests/support/vulkan_host.hpp"
+#include "tests/adopt/vulkan_host.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::rhi {
 namespace {

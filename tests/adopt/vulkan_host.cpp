@@ -1,10 +1,11 @@
-#include "tests/support/vulkan_host.hpp"
+#include "tests/adopt/vulkan_host.hpp"
 
-#include <cstdlib>
 #include <cstring>
 #include <gtest/gtest.h>
 #include <stdexcept>
 #include <string_view>
+
+#include "tests/support/required.hpp"
 
 namespace lumo::testing_support {
 namespace {
@@ -31,8 +32,7 @@ F function(VkInstance instance, const char* name) {
 }
 
 std::unique_ptr<VulkanHost> none() {
-    const char* required = std::getenv("LUMO_REQUIRE_APIS");
-    if (required && std::string_view(required) == "1") ADD_FAILURE() << "there is no Vulkan device";
+    if (apis_required()) ADD_FAILURE() << "there is no Vulkan device";
     return nullptr;
 }
 

@@ -21,8 +21,8 @@
 #include "shaders/test_rhi/store_d2_array.hpp"
 #include "shaders/test_rhi/store_d3.hpp"
 #include "shaders/test_rhi/sum_image.hpp"
-#include "tests/device/device_fixture.hpp"
 #include "tests/device/texels.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::rhi {
 namespace {

@@ -3,7 +3,7 @@
 #include <numeric>
 #include <random>
 
-#include "device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::testing_support {
 namespace {

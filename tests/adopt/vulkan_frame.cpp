@@ -2,8 +2,8 @@
 #include "backends/vulkan/adopt.hpp"
 #include "scene/builtin/builtin.hpp"
 #include "techniques/frame/render.hpp"
-#include "tests/device/device_fixture.hpp"
-#include "tests/support/vulkan_host.hpp"
+#include "tests/adopt/vulkan_host.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo {
 namespace {

@@ -1,8 +1,8 @@
 // A host's buffers in its OpenGL context, written by it and by lumo in turns.
 #include "backends/gl/adopt.hpp"
 #include "shaders/test_rhi/advance.hpp"
-#include "tests/device/device_fixture.hpp"
-#include "tests/device/gl_host.hpp"
+#include "tests/adopt/gl_host.hpp"
+#include "tests/support/device_test.hpp"
 
 namespace lumo::rhi {
 namespace {

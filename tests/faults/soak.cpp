@@ -10,7 +10,7 @@
 #include "shaders/test_rhi/advance.hpp"
 #include "shaders/test_rhi/pull.hpp"
 #include "shaders/test_rhi/sample_d2.hpp"
-#include "tests/device/device_fixture.hpp"
+#include "tests/support/device_test.hpp"
 #include "tests/support/faults.hpp"
 
 namespace lumo::rhi {
