@@ -90,7 +90,7 @@ Densities AtmosphereOptics::densities(double h) const {
     if (a_.rayleigh) d.rayleigh = std::exp(-h / a_.rayleigh->scale_height_km);
     if (a_.mie) d.mie = std::exp(-h / a_.mie->scale_height_km);
     if (a_.ozone) {
-        const OzoneSpecies& o = *a_.ozone;
+        const scene::OzoneSpecies& o = *a_.ozone;
         d.ozone = std::max(0.0, std::min((h - o.bottom_km) / (o.peak_km - o.bottom_km),
                                          (o.top_km - h) / (o.top_km - o.peak_km)));
     }
@@ -126,7 +126,7 @@ double AtmosphereOptics::exponential(RayPoint low, double length, double scale_h
 /// With s the distance from the perigee at radius p, the radius is sqrt(s² + p²), whose integral is
 /// (s r + p² ln(s + r)) / 2: the density, linear in the radius, has a closed form on each side of the peak.
 double AtmosphereOptics::ozone(RayPoint low, double length) const {
-    const OzoneSpecies& o = *a_.ozone;
+    const scene::OzoneSpecies& o = *a_.ozone;
     const double r0 = radius(low.h), s0 = r0 * low.mu;
     const double p2 = r0 * r0 * (1 - low.mu) * (1 + low.mu);
     const auto part = [&](double h_begin, double h_end, double h_zero, double slope) {

@@ -9,9 +9,12 @@
 #include <array>
 #include <optional>
 
-#include "reference/atmosphere.hpp"
+#include "scene/atmosphere.hpp"
 
 namespace lumo::reference {
+
+using scene::Atmosphere;
+using scene::Spectrum;
 
 /// A point of a ray: altitude, and the cosine of the angle between the ray's direction and the vertical there.
 struct RayPoint {

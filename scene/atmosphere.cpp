@@ -1,4 +1,4 @@
-#include "reference/atmosphere.hpp"
+#include "scene/atmosphere.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include "scene/file.hpp"
 #include "scene/printable.hpp"
 
-namespace lumo::reference {
+namespace lumo::scene {
 namespace {
 
 using Json = nlohmann::json;
@@ -61,7 +61,7 @@ class Object {
         if (!json.is_object()) return;
         for (const auto& [key, value] : json.items()) {
             checker.require(std::ranges::find(known, std::string_view(key)) != known.end(),
-                            fmt::format("there is no field '{}'", scene::printable(name(key))),
+                            fmt::format("there is no field '{}'", printable(name(key))),
                             fmt::format("known are {}", fmt::join(known, ", ")));
         }
     }
@@ -95,7 +95,7 @@ class Object {
     /// Arrays and objects by their kind alone: how deep they go is the file's choice.
     static std::string shown(const Json& json) {
         if (json.is_structured()) return fmt::format("an {}", json.type_name());
-        return scene::printable(json.dump(-1, ' ', false, Json::error_handler_t::replace), 60);
+        return printable(json.dump(-1, ' ', false, Json::error_handler_t::replace), 60);
     }
     std::string name(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
     double number(const Json& value, const std::string& field) const {
@@ -213,10 +213,10 @@ Result<Atmosphere> parse_atmosphere(std::string_view text, std::string_view subj
 }
 
 Result<Atmosphere> load_atmosphere(const std::filesystem::path& file) {
-    return scene::read_file(file, largest_file).and_then([&](const std::vector<std::byte>& bytes) {
+    return read_file(file, largest_file).and_then([&](const std::vector<std::byte>& bytes) {
         const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        return parse_atmosphere(text, scene::printable(file.string()));
+        return parse_atmosphere(text, printable(file.string()));
     });
 }
 
-}  // namespace lumo::reference
+}  // namespace lumo::scene

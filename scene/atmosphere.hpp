@@ -9,7 +9,7 @@
 
 #include "rhi/error.hpp"
 
-namespace lumo::reference {
+namespace lumo::scene {
 
 /// A value for each wavelength of an atmosphere.
 using Spectrum = std::vector<double>;
@@ -66,4 +66,4 @@ Result<Atmosphere> parse_atmosphere(std::string_view text, std::string_view subj
 /// The same from a file of at most 1 MiB. Errors: also io, limit.
 Result<Atmosphere> load_atmosphere(const std::filesystem::path& file);
 
-}  // namespace lumo::reference
+}  // namespace lumo::scene
