@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstring>
 
-#include "scene/gpu_scene.hpp"
 #include "techniques/frame/frame.hpp"
 
 namespace lumo::frame {
@@ -30,15 +29,20 @@ scene::Image<T> flipped(const std::vector<std::byte>& texels, rhi::Extent size, 
 
 Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const scene::Camera& camera,
                         const Settings& asked) {
+    return scene::GpuScene::create(device, scene, asked.diffuse_materials)
+        .and_then([&](const scene::GpuScene& gpu_scene) {
+            return render(device, scene, gpu_scene, camera, asked, {});
+        });
+}
+
+Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const scene::GpuScene& gpu_scene,
+                        const scene::Camera& camera, const Settings& asked, const Again& again) {
     const SceneFacts facts = examine(scene, asked);
     const Settings settings = resolve(asked, facts);
     Rendered rendered;
     rendered.plan = make_plan(facts, settings);
 
-    const Result<scene::GpuScene> gpu_scene =
-        scene::GpuScene::create(device, scene, settings.diffuse_materials);
-    if (!gpu_scene) return tl::unexpected(gpu_scene.error());
-    const scene::GeometryView geometry = gpu_scene->view();
+    const scene::GeometryView geometry = gpu_scene.view();
     Result<Frame> frame = Frame::create(device, settings, rendered.plan, facts, geometry);
     if (!frame) return tl::unexpected(frame.error());
 
@@ -47,16 +51,18 @@ Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const sc
                         .lights = shadow::drawn_lights(scene.lights),
                         .environment_radiance = scene.environment_radiance};
 
-    const auto start = std::chrono::steady_clock::now();
-    rhi::Commands commands = device.begin();
-    frame->record(commands, inputs);
-    const rhi::Submission submission = device.submit(std::move(commands));
-    if (Result<void> done = device.wait(submission); !done) return tl::unexpected(done.error());
-    rendered.wall_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    rendered.passes = device.pass_times(submission);
+    do {
+        const auto start = std::chrono::steady_clock::now();
+        rhi::Commands commands = device.begin();
+        frame->record(commands, inputs);
+        const rhi::Submission submission = device.submit(std::move(commands));
+        if (Result<void> done = device.wait(submission); !done) return tl::unexpected(done.error());
+        rendered.wall_ms =
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        rendered.passes = device.pass_times(submission);
+        rendered.trace = device.trace(submission);
+    } while (again && again(rendered.passes));
     rendered.memory = device.memory();
-    rendered.trace = device.trace(submission);
     const Result<uint32_t> dropped = frame->dropped_voxel_writes(device);
     if (!dropped) return tl::unexpected(dropped.error());
     rendered.range = settings.voxels.range;

@@ -1,10 +1,12 @@
 // One picture of one scene: load, plan, one frame, read back.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "rhi/rhi.hpp"
+#include "scene/gpu_scene.hpp"
 #include "scene/image.hpp"
 #include "scene/scene.hpp"
 #include "techniques/frame/plan.hpp"
@@ -35,5 +37,13 @@ struct Rendered {
 /// the device and of the techniques.
 Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const scene::Camera& camera,
                         const Settings& asked);
+
+/// Told the times of the frame that was just rendered; whether it is to be rendered again.
+using Again = std::function<bool(const std::vector<rhi::PassTime>&)>;
+
+/// The same of a scene that is on the device already, with Settings::diffuse_materials as asked, for as long as `again`
+/// says so; what is returned is of the last frame.
+Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const scene::GpuScene& gpu_scene,
+                        const scene::Camera& camera, const Settings& asked, const Again& again);
 
 }  // namespace lumo::frame
