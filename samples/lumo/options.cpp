@@ -25,11 +25,12 @@ constexpr uint64_t largest_config = uint64_t(1) << 20;  // bytes
 constexpr uint32_t most_frames = 1'000'000;
 
 using NamedCommand = std::pair<std::string_view, Command>;
-constexpr std::array<NamedCommand, 5> commands{{{"render", Command::render},
+constexpr std::array<NamedCommand, 6> commands{{{"render", Command::render},
                                                 {"check", Command::check},
                                                 {"diff", Command::diff},
                                                 {"devices", Command::devices},
-                                                {"bench", Command::bench}}};
+                                                {"bench", Command::bench},
+                                                {"probe", Command::probe}}};
 
 std::string available(auto&& names) { return fmt::format("available: {}", fmt::join(names, ", ")); }
 
@@ -171,6 +172,18 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
     setting("--rotate-cones", "on|off", "off",
             "turned about the normal from pixel to pixel: a fine pattern instead of broad bands",
             one_of<bool>(&frame.cones.turned, {{"on", true}, {"off", false}}));
+    setting("--gather", "cones|rays", "cones",
+            "what gathers the diffuse light of visible surfaces; rays: many through the finest voxels, to "
+            "measure "
+            "what cones lose (the floor of their error)",
+            one_of<frame::Gatherer>(&frame.gatherer,
+                                    {{"cones", frame::Gatherer::cones}, {"rays", frame::Gatherer::rays}}));
+    setting(
+        "--rays", "N", fmt::to_string(frame.rays),
+        fmt::format("a pixel, of --gather rays, 1 to {}", cones::max_rays),
+        [&](const std::string& text) -> Result<void> {
+            return parse_integer(text, 1, cones::max_rays).map([&](uint32_t count) { frame.rays = count; });
+        });
     setting("--ao-radius", "METRES|auto", "auto",
             "of the layer ao: what is as far occludes by half, 1 / (1 + distance / radius); auto: a tenth of "
             "the voxels' grid",
@@ -440,6 +453,48 @@ SettingOptions add_bench(CLI::App& app, Options& options) {
     return settings;
 }
 
+void add_probe(CLI::App& app, Options& options) {
+    Probe& probe = options.probe;
+    add(app, "NAME", "", "", only("sky"))
+        ->description("sky: light and transmittance of an atmosphere, a row for each question")
+        ->required();
+    add_file(app, "--in", probe.input,
+             "CSV with the columns quantity, camera_alt_km, view_zenith_deg, sun_zenith_deg, rel_azimuth_deg "
+             "and distance_km; further ones are kept")
+        ->required();
+    add_file(app, "--out", options.output,
+             "the same with the columns value_0, value_1 ..., one for each wavelength, in W/m²/sr/nm, W/m²/nm "
+             "or 1; by --reference also error_0 ..., the standard errors of what is sampled")
+        ->required();
+    add_file(app, "--atmosphere", probe.atmosphere, "JSON; Earth, if not given");
+    add(app, "--orders", "N|all", "all",
+        "of scattering and reflection by the ground, 1 to 1000: of radiance, inscatter and sky_irradiance",
+        into(probe.truth.last_order, parse_orders));
+    add_flag(app, "--reference", options.reference, "in double precision on the CPU")->required();
+    add(app, "--samples", "N", fmt::to_string(probe.truth.samples), "of the reference: at most, a row",
+        [&](const std::string& text) -> Result<void> {
+            return parse_integer(text, 1, 1'000'000'000).map([&](uint32_t count) {
+                probe.truth.samples = count;
+            });
+        });
+    add(app, "--max-error", "PART", fmt::format("{}", probe.truth.relative_error),
+        "of the reference: the standard error, relative to the value, that ends a row's sampling",
+        into(probe.truth.relative_error, parse_part));
+    add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
+    app.footer(
+        "Quantities: transmittance_to_space, transmittance_segment (over distance_km), radiance, "
+        "radiance_order1,\n"
+        "inscatter (over distance_km), sky_irradiance and sun_irradiance (on a horizontal plane). View zenith "
+        "is at\n"
+        "the camera from the local vertical, azimuth 0 is toward the sun. A row's cells for what its quantity "
+        "does\n"
+        "not depend on may be empty.\n\n"
+        "Examples:\n"
+        "  lumo probe sky --in rows.csv --out answers.csv --reference\n"
+        "  lumo probe sky --in rows.csv --out mars.csv --atmosphere mars.json --orders 4 --reference\n"
+        "  lumo probe sky --in rows.csv --out exact.csv --reference --max-error 0.0005 --samples 20000000");
+}
+
 }  // namespace
 
 tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) {
@@ -464,6 +519,8 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
 
     const SettingOptions bench_settings =
         add_bench(*app.add_subcommand("bench", "Measures what is to be fast."), options);
+
+    add_probe(*app.add_subcommand("probe", "Answers with numbers instead of pictures."), options);
 
     const auto is_command = [](std::string_view name) {
         return std::ranges::find(commands, name, &NamedCommand::first) != commands.end();

@@ -2,6 +2,7 @@
 // Tracing). Include once per program; takes bindings gather_binding to gather_binding + 5
 // and that of voxels/sample.glsl.
 #include "common/constants.glsl"
+#include "common/frame.glsl"
 #include "common/voxel_grid.glsl"
 #include "cones/emitter_block.glsl"
 #include "voxels/sample.glsl"
@@ -154,15 +155,6 @@ vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
         }
     }
     return sum;
-}
-
-// Two unit vectors that make a right-handed frame with a unit normal (Duff et al. 2017, Building an Orthonormal
-// Basis, Revisited).
-mat3 frame_about(vec3 n) {
-    float s = n.z >= 0.0 ? 1.0 : -1.0;
-    float a = -1.0 / (s + n.z);
-    float b = n.x * n.y * a;
-    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
 }
 
 // Which of 16 turns a place of a 4 x 4 pattern has: a Bayer matrix, so that neighbours differ most.

@@ -1,9 +1,9 @@
-// The voxels themselves, as the camera sees them: the first occupied one on each pixel's ray, walked from face to
-// face (Amanatides & Woo 1987).
+// The voxels themselves, as the camera sees them: the first occupied one on each pixel's ray.
 #define CAMERA 2
 #include "common/camera.glsl"
 #include "common/voxel_grid.glsl"
 #include "voxels/octree.glsl"
+#include "voxels/walk.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -42,11 +42,9 @@ void main() {
     vec3 seen = vec3(0);
     if (enter < leave) {
         precise vec3 entry = near + direction * enter;
-        ivec3 voxel = clamp(ivec3(floor(entry)), ivec3(0), ivec3(resolution - 1));
-        ivec3 way = ivec3(sign(direction));
-        precise vec3 next = (vec3(voxel) + max(vec3(way), 0.0) - near) / direction;
-        for (int i = 0; i < 3 * 1024 && inside_grid(voxel, resolution); ++i) {
-            ivec3 texel = octree_levels > 0 ? voxel_texel(nodes, voxel) : voxel;
+        Walk walk = start_walk(near, direction, clamp(ivec3(floor(entry)), ivec3(0), ivec3(resolution - 1)));
+        for (int i = 0; i < 3 * 1024 && inside_grid(walk.voxel, resolution); ++i) {
+            ivec3 texel = octree_levels > 0 ? voxel_texel(nodes, walk.voxel) : walk.voxel;
             vec4 stored = texel.x >= 0 ? texelFetch(radiance, texel, 0) : vec4(0);
             if (stored.a > 0.0) {
                 seen = stored.rgb / stored.a * push.radiance_unit;
@@ -54,16 +52,7 @@ void main() {
                     seen += texelFetch(emission, texel, 0).rgb / stored.a * push.emission_unit;
                 break;
             }
-            if (next.x < next.y && next.x < next.z) {
-                voxel.x += way.x;
-                next.x += abs(1.0 / direction.x);
-            } else if (next.y < next.z) {
-                voxel.y += way.y;
-                next.y += abs(1.0 / direction.y);
-            } else {
-                voxel.z += way.z;
-                next.z += abs(1.0 / direction.z);
-            }
+            step_walk(walk);
         }
     }
     imageStore(layer, pixel, vec4(seen, 1));

@@ -74,6 +74,9 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
         made = keep(cones::Irradiance::create(device, settings.cones, gather_needs, settings.size),
                     frame.irradiance_);
     }
+    if (made && plan.needs("cones.rays"))
+        made = keep(cones::DenseGather::create(device, settings.rays, gather_needs, settings.size),
+                    frame.dense_);
     if (made && plan.needs("cones.ao")) {
         made = keep(cones::Irradiance::create(device, settings.cones,
                                               {.anisotropic = gather_needs.anisotropic,
@@ -120,7 +123,10 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
         source = {.volume = volume_->view(), .environment = inputs.environment_radiance};
         if (emitters_) source->emitters = emitters_->record(commands, *volume_);
         if (bounce_) source->volume = bounce_->record(commands, *volume_, *source);
-        if (irradiance_) irradiance = irradiance_->record(commands, gbuffer, *source);
+        if (dense_)
+            irradiance = dense_->record(commands, gbuffer, *source);
+        else if (irradiance_)
+            irradiance = irradiance_->record(commands, gbuffer, *source);
         source->occlusion_radius = settings_.ao_radius;
         if (ao_) ao = ao_->record(commands, gbuffer, *source);
     }

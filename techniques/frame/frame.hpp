@@ -55,6 +55,7 @@ class Frame {
     std::optional<cones::Emitters> emitters_;
     std::optional<bounce::Bounce> bounce_;
     std::optional<cones::Irradiance> irradiance_;
+    std::optional<cones::DenseGather> dense_;  ///< in place of irradiance_'s
     std::optional<cones::Specular> specular_;
     std::optional<cones::Irradiance> ao_;
     std::optional<lighting::Lighting> lighting_;

@@ -88,6 +88,11 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
            "voxels gather light from each other",
            gi ? "all light is that of analytic lights, reflected once by injection" : no_gi);
     decide("cones", gi, fmt::format("{} cones a pixel", settings.cones.count), no_gi);
+    // A measurement in place of the cones' pass: not for a full plan, which shows the same picture.
+    if (gi && settings.gatherer == Gatherer::rays) {
+        plan.items.push_back(
+            {"cones.rays", true, fmt::format("{} rays a pixel in place of cones", settings.rays)});
+    }
     decide("cones.emitters", gi && facts.emission, "cones are sent to small emitters one by one",
            gi ? "no material emits" : no_gi);
     decide("cones.specular", gi && facts.specular, "materials have a specular lobe",

@@ -9,6 +9,7 @@
 
 #include "rhi/work.hpp"
 #include "techniques/cones/cones.hpp"
+#include "techniques/cones/dense_gather.hpp"
 #include "techniques/post/post.hpp"
 #include "techniques/shadow/shadow.hpp"
 #include "techniques/voxels/voxels.hpp"
@@ -36,6 +37,9 @@ std::optional<Layer> layer_from_string(std::string_view name);
 
 enum class PlanMode : uint8_t { automatic, full };
 
+/// What gathers the diffuse indirect light of visible surfaces: cones, or, to measure what cones lose, many rays.
+enum class Gatherer : uint8_t { cones, rays };
+
 struct Settings {
     rhi::Extent size{960, 540};  ///< pixels
     bool gi = true;
@@ -46,6 +50,8 @@ struct Settings {
     voxels::Settings voxels = {};
     std::optional<voxels::Range> range = {};  ///< voxels.range; none: what the scene's light needs
     cones::Settings cones = {};
+    Gatherer gatherer = Gatherer::cones;
+    uint32_t rays = 256;  ///< a pixel, 1 to cones::max_rays, where they gather
     /// Metres, above 0, where occlusion counts half; none: a tenth of the grid's side.
     std::optional<float> ao_radius = {};
     shadow::Settings shadow = {};

@@ -1,0 +1,12 @@
+#ifndef FRAME_GLSL
+#define FRAME_GLSL
+
+// Two unit vectors that make a right-handed frame with a unit normal (Duff et al. 2017, Building an Orthonormal
+// Basis, Revisited).
+mat3 frame_about(vec3 n) {
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z);
+    float b = n.x * n.y * a;
+    return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
+}
+#endif
