@@ -16,7 +16,8 @@ install(DIRECTORY rhi scene techniques reference DESTINATION include/lumo FILES_
         PATTERN "rhi/arena.hpp" EXCLUDE PATTERN "rhi/core.hpp" EXCLUDE PATTERN "rhi/disk_cache.hpp" EXCLUDE
         PATTERN "rhi/resource_table.hpp" EXCLUDE PATTERN "rhi/staging.hpp" EXCLUDE PATTERN "rhi/validate.hpp" EXCLUDE
         PATTERN "scene/gltf_*" EXCLUDE PATTERN "scene/image_codec.hpp" EXCLUDE PATTERN "scene/builtin" EXCLUDE
-        PATTERN "scene/oiio" EXCLUDE PATTERN "reference/embree.hpp" EXCLUDE)
+        PATTERN "scene/oiio" EXCLUDE PATTERN "reference/embree.hpp" EXCLUDE
+        PATTERN "scene/content_key.hpp" EXCLUDE PATTERN "reference/cache.hpp" EXCLUDE)
 install(DIRECTORY backends DESTINATION include/lumo FILES_MATCHING PATTERN "backends/*.hpp"
         PATTERN "backends/gl/*" EXCLUDE PATTERN "backends/vulkan/*" EXCLUDE)
 foreach(api gl vulkan)
