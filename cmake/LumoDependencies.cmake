@@ -20,6 +20,8 @@ set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)  # Debian's configuration speaks of a Python
 find_package(OpenEXR REQUIRED)
 unset(CMAKE_MESSAGE_LOG_LEVEL)
 pkg_check_modules(openimageio IMPORTED_TARGET OpenImageIO)  # optional: further image formats
+find_path(CSV_INCLUDE_DIR csv.h REQUIRED)
+find_library(CSV_LIBRARY csv REQUIRED)
 find_path(RENDERDOC_INCLUDE_DIR renderdoc_app.h REQUIRED)  # the header alone: the library is used where it is loaded
 find_package(SPIRV-Tools REQUIRED)
 find_package(SPIRV-Tools-opt REQUIRED)

@@ -11,6 +11,7 @@
 #include <tl/expected.hpp>
 #include <variant>
 
+#include "samples/lumo/probe_sky.hpp"
 #include "scene/scene.hpp"
 #include "techniques/frame/settings.hpp"
 
@@ -23,7 +24,7 @@ enum ExitCode : int {
     exit_failed = 2,
 };
 
-enum class Command : uint8_t { render, check, diff, devices, bench, version };
+enum class Command : uint8_t { render, check, diff, devices, bench, probe, version };
 enum class ApiChoice : uint8_t { first, vulkan, gl, both };
 enum class ParityChoice : uint8_t { mesa, hardware };
 
@@ -43,6 +44,13 @@ struct Animation {
     uint32_t shards = 1;
     float orbit = 0;  ///< degrees
     std::optional<Sun> sun_to = {};
+};
+
+/// What `lumo probe` asks of which atmosphere.
+struct Probe {
+    std::filesystem::path input = {};
+    std::filesystem::path atmosphere = {};  ///< Earth's if empty
+    SkyTruthSettings truth = {};
 };
 
 struct Options {
@@ -72,6 +80,8 @@ struct Options {
 
     std::filesystem::path first = {}, second = {};  ///< of diff
     ParityChoice parity = ParityChoice::mesa;
+
+    Probe probe = {};
 
     std::string benchmark = {};
     /// Settings that the command line or the configuration gave, by their names without dashes.

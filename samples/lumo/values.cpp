@@ -13,6 +13,7 @@ namespace {
 
 constexpr uint32_t largest_side = 16384;
 constexpr uint32_t smallest_volume = 16, largest_volume = 1024;
+constexpr uint32_t most_orders = 1000;
 constexpr double largest_exposure = 64;
 constexpr double shortest_distance = 1e-6, longest_distance = 1e9;  // metres
 
@@ -154,6 +155,20 @@ Result<float> parse_distance(std::string_view text) {
     if (!metres || *metres < shortest_distance || *metres > longest_distance)
         return expected(text, fmt::format("metres from {} to {}", shortest_distance, longest_distance));
     return float(*metres);
+}
+
+Result<uint32_t> parse_orders(std::string_view text) {
+    if (text == "all") return reference::all_orders;
+    const auto orders = integer(text);
+    if (!orders || *orders < 1 || *orders > most_orders)
+        return expected(text, fmt::format("an integer from 1 to {}, or all", most_orders));
+    return *orders;
+}
+
+Result<double> parse_part(std::string_view text) {
+    const auto part = number(text);
+    if (!part || *part < 0 || *part > 1) return expected(text, "a number from 0 to 1");
+    return *part;
 }
 
 Result<Shard> parse_shard(std::string_view text) {

@@ -23,6 +23,9 @@ Result<float> parse_exposure(std::string_view text);                    ///< sto
 
 Result<float> parse_distance(std::string_view text);  ///< metres, 1e-6 to 1e9
 
+Result<uint32_t> parse_orders(std::string_view text);  ///< of scattering: 1 to 1000, or all
+Result<double> parse_part(std::string_view text);      ///< of a whole, 0 to 1
+
 struct Shard {
     uint32_t index = 1;  ///< from 1
     uint32_t count = 1;

@@ -1,0 +1,98 @@
+#include "samples/lumo/probe_sky.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "samples/lumo/values.hpp"
+#include "scene/printable.hpp"
+
+namespace lumo::program {
+namespace {
+
+using reference::SkyView;
+
+/// A column of numbers.
+struct Input {
+    std::string_view column;
+    double lowest, highest;
+    double SkyView::*place;
+    /// Those that do not depend on it.
+    std::array<bool, sky_quantities.size()> unread;
+};
+
+constexpr double farthest_km = 1e7;
+
+// In the order of SkyQuantity.
+constexpr std::array<Input, 5> inputs{
+    {{"camera_alt_km", 0, 1e6, &SkyView::altitude_km, {}},
+     {"view_zenith_deg", 0, 180, &SkyView::view_zenith_deg, {false, false, false, false, false, true, true}},
+     {"sun_zenith_deg", 0, 180, &SkyView::sun_zenith_deg, {true, true}},
+     {"rel_azimuth_deg", -360, 360, &SkyView::azimuth_deg, {true, true, false, false, false, true, true}},
+     {"distance_km", 0, farthest_km, &SkyView::distance_km, {true, false, true, true, false, true, true}}}};
+
+std::string place_of(std::string_view file, const Table::Row& row, std::string_view column) {
+    return fmt::format("{}, line {}, column {}", file, row.line, column);
+}
+
+}  // namespace
+
+Result<std::vector<SkyQuery>> read_sky_queries(const Table& table, std::string_view file) {
+    const auto missing = [&](std::string_view column) {
+        return fail(ErrorKind::invalid_file, std::string(file), fmt::format("has no column {}", column),
+                    "add it; the columns have their names in the first line");
+    };
+    const auto quantity_column = table.column("quantity");
+    if (!quantity_column) return missing("quantity");
+
+    std::vector<SkyQuery> queries;
+    for (const Table::Row& row : table.rows) {
+        const std::string& name = row.cells[*quantity_column];
+        const auto* const found = std::ranges::find(sky_quantities, name);
+        if (found == sky_quantities.end())
+            return fail(ErrorKind::invalid_file, place_of(file, row, "quantity"),
+                        fmt::format("'{}' is no quantity", scene::printable(name)),
+                        fmt::format("available: {}", fmt::join(sky_quantities, ", ")));
+        const auto index = size_t(found - sky_quantities.begin());
+        SkyQuery query{.quantity = SkyQuantity(index)};
+        for (const Input& input : inputs) {
+            if (input.unread[index]) continue;
+            const auto column = table.column(input.column);
+            if (!column) return missing(input.column);
+            const std::string& cell = row.cells[*column];
+            const auto number = parse_number(cell);
+            if (!number || *number < input.lowest || *number > input.highest)
+                return fail(ErrorKind::invalid_file, place_of(file, row, input.column),
+                            fmt::format("is '{}'", scene::printable(cell)),
+                            fmt::format("give a number from {:g} to {:g}", input.lowest, input.highest));
+            query.view.*input.place = *number;
+        }
+        queries.push_back(query);
+    }
+    return queries;
+}
+
+Result<void> add_sky_answers(Table& table, std::span<const SkyAnswer> answers, std::string_view file) {
+    const size_t before = table.columns.size();
+    const size_t wavelengths = answers.empty() ? 0 : answers.front().value.size();
+    const bool errors = std::ranges::any_of(answers, [](const SkyAnswer& a) { return !a.error.empty(); });
+    for (const std::string_view name : {"value", "error"}) {
+        if (name == "error" && !errors) break;
+        for (size_t i = 0; i < wavelengths; ++i) {
+            std::string column = fmt::format("{}_{}", name, i);
+            if (table.column(column))
+                return fail(ErrorKind::invalid_file, std::string(file),
+                            fmt::format("has a column {} already", column), "rename it, or leave it out");
+            table.columns.push_back(std::move(column));
+        }
+    }
+    for (size_t r = 0; r < answers.size(); ++r) {
+        std::vector<std::string>& cells = table.rows[r].cells;
+        for (const scene::Spectrum* values : {&answers[r].value, &answers[r].error})
+            for (const double value : *values) cells.push_back(fmt::format("{}", value));
+        cells.resize(before + wavelengths * (errors ? 2 : 1));
+    }
+    return {};
+}
+
+}  // namespace lumo::program
