@@ -15,7 +15,7 @@ void add(Key& key, const std::optional<float>& value) {
     if (value) add(key, *value);
 }
 
-/// Vectors and matrices of floats, and structures of nothing but floats or 32-bit integers: no padding.
+/// Numbers, vectors and matrices of floats, and structures of nothing but floats or 32-bit integers: no padding.
 template <class T>
 void add_values(Key& key, const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -68,6 +68,41 @@ void add(Key& key, const Light& light) {
     for (const float value : {range, inner_cone_angle, outer_cone_angle}) add(key, value);
 }
 
+void add(Key& key, const Atmosphere& atmosphere) {
+    const auto& [wavelengths_nm, radius_ground_km, radius_top_km, sun_irradiance, sun_angular_radius_deg,
+                 rayleigh, mie, ozone, ground_albedo] = atmosphere;
+    for (const Spectrum* spectrum : {&wavelengths_nm, &sun_irradiance, &ground_albedo})
+        add_values(key, *spectrum);
+    for (const double value : {radius_ground_km, radius_top_km, sun_angular_radius_deg})
+        add_values(key, value);
+    key.add(uint64_t(rayleigh.has_value())).add(uint64_t(mie.has_value())).add(uint64_t(ozone.has_value()));
+    if (rayleigh) {
+        const auto& [scattering_per_km, scale_height_km] = *rayleigh;
+        add_values(key, scattering_per_km);
+        add_values(key, scale_height_km);
+    }
+    if (mie) {
+        const auto& [scattering_per_km, extinction_per_km, scale_height_km, g] = *mie;
+        add_values(key, scattering_per_km);
+        add_values(key, extinction_per_km);
+        for (const double value : {scale_height_km, g}) add_values(key, value);
+    }
+    if (ozone) {
+        const auto& [extinction_per_km, bottom_km, peak_km, top_km] = *ozone;
+        add_values(key, extinction_per_km);
+        for (const double value : {bottom_km, peak_km, top_km}) add_values(key, value);
+    }
+}
+
+void add(Key& key, const std::optional<Sky>& sky) {
+    key.add(uint64_t(sky.has_value()));
+    if (!sky) return;
+    const auto& [atmosphere, direction_to_sun, altitude_km] = *sky;
+    add(key, atmosphere);
+    add_values(key, direction_to_sun);
+    add_values(key, altitude_km);
+}
+
 void add(Key& key, const Image8& image) {
     key.add(image.width).add(image.height).add(image.channels);
     add_values(key, image.values);
@@ -77,7 +112,7 @@ void add(Key& key, const Image8& image) {
 
 rhi::CacheKey content_key(const Scene& scene) {
     const auto& [name, vertices, indices, meshes, instances, materials, textures, images, lights, cameras,
-                 environment_radiance, warnings] = scene;
+                 environment_radiance, sky, warnings] = scene;
     Key key;
     add_values(key, vertices);
     add_values(key, indices);
@@ -97,6 +132,7 @@ rhi::CacheKey content_key(const Scene& scene) {
     add_all(images);
     add_all(lights);
     add_values(key, environment_radiance);
+    add(key, sky);
     return key.key();
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/atmosphere.hpp"
 #include "scene/image.hpp"
 
 namespace lumo::scene {
@@ -131,6 +132,13 @@ struct Camera {
     std::optional<float> orthographic_height = {};  ///< metres; set for an orthographic camera
 };
 
+/// What lies beyond the scene: scene/sky.hpp says where.
+struct Sky {
+    Atmosphere atmosphere = earth();
+    glm::vec3 direction_to_sun{0, 1, 0};  ///< unit length
+    double altitude_km = 0;               ///< of the world's origin above the planet's ground, 0 and up
+};
+
 /// Everything that a frame may need. Indices between its parts are valid by construction.
 struct Scene {
     std::string name = {};
@@ -144,6 +152,7 @@ struct Scene {
     std::vector<Light> lights = {};
     std::vector<Camera> cameras = {};
     glm::vec3 environment_radiance{0};       ///< W/m²/sr from everywhere outside the geometry
+    std::optional<Sky> sky = {};             ///< its sun is among the lights (set_sky)
     std::vector<std::string> warnings = {};  ///< what the file uses and lumo does not do, one line each
 
     uint64_t triangle_count() const;  ///< instances counted each
