@@ -84,7 +84,8 @@ void DeviceCore::OpenPass::clear() {
 }
 
 std::unique_ptr<DeviceCore::OpenPass> DeviceCore::blank_pass() {
-    return blank_ ? std::move(blank_) : std::make_unique<OpenPass>();
+    if (!blank_) blank_ = std::make_unique<OpenPass>();
+    return std::move(blank_);
 }
 
 void DeviceCore::end_pass(uint64_t id) {

@@ -217,7 +217,7 @@ Result<void> write_png(const std::filesystem::path& file, const Image8& image) {
 
 Result<void> write_exr(const std::filesystem::path& file, std::span<const ExrLayer> layers) {
     const std::string name = printable(file.string());
-    if (const auto checked = check_layers(name, layers); !checked) return checked;
+    if (auto checked = check_layers(name, layers); !checked) return checked;
     return guarded(name, [&] { return write_file(file, codec::encode_exr(layers)); });
 }
 

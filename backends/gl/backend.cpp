@@ -627,18 +627,14 @@ rhi::MemoryBudget GlBackend::memory_budget() {
     return {.used_bytes = uint64_t(total_kib - free_kib) << 10, .budget_bytes = uint64_t(total_kib) << 10};
 }
 
-}  // namespace
-
-namespace {
-
 Result<std::unique_ptr<rhi::Backend>> make_backend(std::unique_ptr<Context> context, bool disk_cache) {
-    return PushRing::create(context->info().limits.uniform_alignment)
-        .and_then([&](PushRing ring) -> Result<std::unique_ptr<rhi::Backend>> {
-            const std::string device = context->info().name;
-            auto made = std::make_unique<GlBackend>(std::move(context), std::move(ring), disk_cache);
-            if (auto status = check_errors(device); !status) return tl::unexpected(status.error());
-            return made;
-        });
+    auto ring = PushRing::create(context->info().limits.uniform_alignment);
+    if (!ring) return tl::unexpected(ring.error());
+    const std::string device = context->info().name;
+    std::unique_ptr<rhi::Backend> made =
+        std::make_unique<GlBackend>(std::move(context), std::move(*ring), disk_cache);
+    if (auto status = check_errors(device); !status) return tl::unexpected(status.error());
+    return made;
 }
 
 }  // namespace

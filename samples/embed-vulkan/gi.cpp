@@ -124,16 +124,16 @@ Gi::Gi(const Host& host) {
                                                .draws = uint32_t(geometry.draws.size())}));
     auto cones = must(cones::Irradiance::create(device, {.count = 9}, {.environment = true}, size));
     const scene::Light sun{.intensity = sun_irradiance, .direction = -toward_sun};
-    parts_.reset(new Parts{size,
-                           std::move(device),
-                           std::move(scene),
-                           {sun},
-                           std::move(normal),
-                           std::move(depth),
-                           std::move(irradiance),
-                           std::move(shadow),
-                           std::move(volume),
-                           std::move(cones)});
+    parts_ = std::make_unique<Parts>(Parts{size,
+                                           std::move(device),
+                                           std::move(scene),
+                                           {sun},
+                                           std::move(normal),
+                                           std::move(depth),
+                                           std::move(irradiance),
+                                           std::move(shadow),
+                                           std::move(volume),
+                                           std::move(cones)});
     // The scene stands still: its voxels are made once.
     rhi::Commands commands = parts_->device.begin();
     parts_->volume.voxelize(commands, parts_->scene.view(), 0);
