@@ -117,17 +117,30 @@ Result<TrialDevice> TrialDevice::create(rhi::Api api, const Options& options, co
     return TrialDevice(std::move(*device), std::move(*gpu_scene), scene, camera, std::move(failures));
 }
 
-Result<Trial> TrialDevice::run(const frame::Settings& settings, const RunLimits& limits) {
-    Runs runs(limits);
-    auto frame = frame::render(device_, *scene_, gpu_scene_, camera_, settings,
-                               [&](const std::vector<rhi::PassTime>& passes) { return runs.add(passes); });
-    if (!frame) return tl::unexpected(frame.error());
-    if (*failures_ > 0)
+Result<frame::Rendered> TrialDevice::render(const frame::Settings& settings, const frame::Again& again) {
+    auto frame = frame::render(device_, *scene_, gpu_scene_, camera_, settings, again);
+    if (frame && *failures_ > 0)
         return fail(ErrorKind::unsupported, "validation",
                     fmt::format("{} messages that fail a run", *failures_), "they are above");
-    Trial trial{.frame = std::move(*frame)};
+    return frame;
+}
+
+Result<Trial> TrialDevice::run(const frame::Settings& settings, const RunLimits& limits) {
+    frame::Settings displayed = settings;
+    displayed.layers = {frame::Layer::final};
+    Runs runs(limits);
+    auto frame =
+        render(displayed, [&](const std::vector<rhi::PassTime>& passes) { return runs.add(passes); });
+    if (!frame) return tl::unexpected(frame.error());
+    auto layers = draw(settings);
+    if (!layers) return tl::unexpected(layers.error());
+    Trial trial{.frame = std::move(*frame), .layers = std::move(*layers)};
     runs.put(trial);
     return trial;
+}
+
+Result<std::vector<frame::LayerImage>> TrialDevice::draw(const frame::Settings& settings) {
+    return render(settings, {}).map([](frame::Rendered&& frame) { return std::move(frame.layers); });
 }
 
 Result<reference::PathTraced> truth_of(const scene::Scene& scene, const scene::Camera& camera,

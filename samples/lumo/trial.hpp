@@ -3,7 +3,7 @@
 //     auto truth = truth_of(scene, camera, settings, {.spp = 256, .bounces = settings.bounces});
 //     auto device = TrialDevice::create(rhi::Api::vulkan, options, scene, camera);
 //     auto trial = device->run(settings);
-//     auto errors = errors_against(*truth, trial->frame.layers);
+//     auto errors = errors_against(*truth, trial->layers);
 #pragma once
 
 #include <optional>
@@ -37,7 +37,8 @@ struct Trial {
     double gpu_ms = 0;                  ///< median of a frame's sum
     double gpu_ms_error = 0;            ///< standard error of that median
     uint32_t runs = 0;
-    frame::Rendered frame = {};  ///< the last one: pictures, plan, memory, range
+    frame::Rendered frame = {};                  ///< the last one that was timed: plan, memory, range
+    std::vector<frame::LayerImage> layers = {};  ///< of Settings::layers
 
     uint64_t bytes() const;  ///< device memory of all resources, the scene's included
 };
@@ -49,14 +50,18 @@ class TrialDevice {
     static Result<TrialDevice> create(rhi::Api api, const Options& options, const scene::Scene& scene,
                                       const scene::Camera& camera);
 
-    /// With Settings::diffuse_materials of the options. Errors: those of frame::render, of which limit and out_of_memory
-    /// say that the configuration does not fit and leave the device usable; unsupported where the API's own checks
-    /// failed a message.
+    /// With Settings::diffuse_materials of the options. What is timed is the frame as a display gets it; the layers are
+    /// another frame's. Errors: those of frame::render, of which limit and out_of_memory say that the configuration does
+    /// not fit and leave the device usable; unsupported where a message of the API's own checks fails the run.
     Result<Trial> run(const frame::Settings& settings, const RunLimits& limits = {});
+    /// The layers alone, once.
+    Result<std::vector<frame::LayerImage>> draw(const frame::Settings& settings);
 
     const rhi::DeviceInfo& info() const { return device_.info(); }
 
   private:
+    Result<frame::Rendered> render(const frame::Settings& settings, const frame::Again& again);
+
     TrialDevice(rhi::Device device, scene::GpuScene gpu_scene, const scene::Scene& scene,
                 const scene::Camera& camera, std::shared_ptr<int> failures);
 
