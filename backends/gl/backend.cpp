@@ -641,17 +641,17 @@ Result<std::unique_ptr<rhi::Backend>> make_backend(std::unique_ptr<Context> cont
 
 Result<std::unique_ptr<rhi::Backend>> create_backend(const rhi::DeviceDesc& desc,
                                                      const std::shared_ptr<const Surface>& surface) {
-    return Context::open(desc, surface).and_then([&](std::unique_ptr<Context> context) {
-        return make_backend(std::move(context), desc.disk_cache);
-    });
+    auto context = Context::open(desc, surface);
+    if (!context) return tl::unexpected(context.error());
+    return make_backend(std::move(*context), desc.disk_cache);
 }
 
 Result<rhi::Device> adopt_current_context(const rhi::DeviceDesc& desc) {
-    return Context::adopt(desc)
-        .and_then([&](std::unique_ptr<Context> context) {
-            return make_backend(std::move(context), desc.disk_cache);
-        })
-        .map([&](std::unique_ptr<rhi::Backend> backend) { return rhi::Device(std::move(backend), desc); });
+    auto context = Context::adopt(desc);
+    if (!context) return tl::unexpected(context.error());
+    auto backend = make_backend(std::move(*context), desc.disk_cache);
+    if (!backend) return tl::unexpected(backend.error());
+    return rhi::Device(std::move(*backend), desc);
 }
 
 std::vector<rhi::DeviceInfo> list_devices() { return found_devices(); }
