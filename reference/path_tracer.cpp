@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "reference/brdf.hpp"
+#include "reference/environment.hpp"
 #include "reference/lights.hpp"
 #include "reference/metrics.hpp"
 #include "reference/ray_scene.hpp"
@@ -40,6 +41,8 @@ enum VertexDimension : uint32_t {
     lobe_direction,
     ray_seed,
     survival,
+    environment_point,
+    environment_seed,
     vertex_dimensions
 };
 uint32_t first_dimension(uint32_t vertex) { return camera_dimensions + vertex * vertex_dimensions; }
@@ -117,17 +120,18 @@ glm::dvec3 sum(const Reflected& reflected) { return reflected.diffuse + reflecte
 class Tracer {
   public:
     Tracer(const scene::Scene& scene, const PathTracerSettings& settings, RayScene rays)
-        : scene_(scene), settings_(settings), rays_(std::move(rays)), emitters_(scene) {}
+        : scene_(scene), settings_(settings), rays_(std::move(rays)), emitters_(scene), environment_(scene) {}
 
     LightSums sample(const Ray& ray, const Sampler& sampler) const;
     /// Albedo, normal and (in the first channel) depth.
     std::array<glm::dvec3, 3> surface(const Ray& ray, const Lens& lens, uint32_t seed) const;
 
   private:
-    glm::dvec3 environment() const { return glm::dvec3(scene_.environment_radiance); }
     Reflected analytic(const Vertex& vertex, const Sampler& sampler) const;
     std::optional<Arrival> aimed(const Vertex& vertex, const DirectionSampler& directions,
                                  const Sampler& sampler) const;
+    std::optional<Arrival> from_beyond(const Vertex& vertex, const DirectionSampler& directions,
+                                       const Sampler& sampler) const;
     std::optional<Arrival> gathered(const Vertex& vertex, const DirectionSampler& directions,
                                     const Sampler& sampler) const;
     glm::dvec3 incoming(Ray ray, double density, const Sampler& sampler) const;
@@ -136,6 +140,7 @@ class Tracer {
     const PathTracerSettings& settings_;
     RayScene rays_;
     Emitters emitters_;
+    Environment environment_;
 };
 
 /// One of the analytic lights, drawn by what each would give unshadowed.
@@ -201,6 +206,20 @@ std::optional<Arrival> Tracer::aimed(const Vertex& vertex, const DirectionSample
                                      weight(density, directions.density(direction_to * vertex.frame))};
 }
 
+/// Light of the environment's map from a direction in which it is bright.
+std::optional<Arrival> Tracer::from_beyond(const Vertex& vertex, const DirectionSampler& directions,
+                                           const Sampler& sampler) const {
+    if (environment_.uniform()) return std::nullopt;
+    const EnvironmentSample beyond = environment_.sample(sampler.pair(vertex.dimension + environment_point));
+    if (!vertex.above(beyond.direction) || glm::dot(beyond.direction, vertex.surface.normal) <= 0)
+        return std::nullopt;
+    const Ray shadow{.origin = vertex.surface.above(), .direction = beyond.direction};
+    if (rays_.occluded(shadow, sampler.word(vertex.dimension + environment_seed))) return std::nullopt;
+    return Arrival{beyond.direction,
+                   environment_.radiance(beyond.direction) / beyond.density *
+                       weight(beyond.density, directions.density(beyond.direction * vertex.frame))};
+}
+
 /// Light from a direction that the reflection asks for.
 std::optional<Arrival> Tracer::gathered(const Vertex& vertex, const DirectionSampler& directions,
                                         const Sampler& sampler) const {
@@ -223,7 +242,9 @@ glm::dvec3 Tracer::incoming(Ray ray, double density, const Sampler& sampler) con
     uint32_t seed_dimension = first_dimension(0) + ray_seed;
     for (uint32_t reflections = 0;; ++reflections) {
         const std::optional<Hit> hit = rays_.intersect(ray, Faces::both, sampler.word(seed_dimension));
-        if (!hit) return radiance + throughput * environment();
+        if (!hit)
+            return radiance + throughput * environment_.radiance(ray.direction) *
+                                  weight(density, environment_.density(ray.direction));
         const Vertex vertex(surface_at(scene_, *hit, ray.direction, diffuse), ray.direction, reflections + 1);
         if (vertex.surface.unlit) return radiance;
         if (vertex.surface.emission != glm::dvec3(0)) {
@@ -239,8 +260,9 @@ glm::dvec3 Tracer::incoming(Ray ray, double density, const Sampler& sampler) con
         const DirectionSampler directions(surface.brdf, vertex.to_eye,
                                           specular_share(surface.brdf, vertex.to_eye));
         radiance += throughput * sum(analytic(vertex, sampler));
-        if (const auto light = aimed(vertex, directions, sampler))
-            radiance += throughput * light->radiance * sum(vertex.reflected(light->direction));
+        for (const auto& light :
+             {aimed(vertex, directions, sampler), from_beyond(vertex, directions, sampler)})
+            if (light) radiance += throughput * light->radiance * sum(vertex.reflected(light->direction));
 
         const glm::dvec3 local = directions.draw(sampler.number(vertex.dimension + lobe_choice),
                                                  sampler.pair(vertex.dimension + lobe_direction));
@@ -265,7 +287,7 @@ LightSums Tracer::sample(const Ray& ray, const Sampler& sampler) const {
     const auto layer = [&](TracedLayer l) -> glm::dvec3& { return result[size_t(l)]; };
     const std::optional<Hit> hit = rays_.intersect(ray, Faces::drawn, sampler.word(camera_seed));
     if (!hit) {
-        layer(TracedLayer::radiance) = layer(TracedLayer::emission) = environment();
+        layer(TracedLayer::radiance) = layer(TracedLayer::emission) = environment_.radiance(ray.direction);
         return result;
     }
     const Vertex vertex(surface_at(scene_, *hit, ray.direction, settings_.diffuse_materials), ray.direction,
@@ -277,7 +299,8 @@ LightSums Tracer::sample(const Ray& ray, const Sampler& sampler) const {
 
     // Irradiance wants directions by the cosine whatever the surface reflects, so that it gets half of them.
     const DirectionSampler directions(vertex.surface.brdf, vertex.to_eye, 0.5);
-    for (const auto& light : {aimed(vertex, directions, sampler), gathered(vertex, directions, sampler)}) {
+    for (const auto& light : {aimed(vertex, directions, sampler), from_beyond(vertex, directions, sampler),
+                              gathered(vertex, directions, sampler)}) {
         if (!light) continue;
         const Reflected reflected = vertex.reflected(light->direction);
         layer(TracedLayer::irradiance) +=

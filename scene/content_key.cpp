@@ -112,7 +112,7 @@ void add(Key& key, const Image8& image) {
 
 rhi::CacheKey content_key(const Scene& scene) {
     const auto& [name, vertices, indices, meshes, instances, materials, textures, images, lights, cameras,
-                 environment_radiance, sky, warnings] = scene;
+                 environment_radiance, environment_map, sky, warnings] = scene;
     Key key;
     add_values(key, vertices);
     add_values(key, indices);
@@ -132,6 +132,8 @@ rhi::CacheKey content_key(const Scene& scene) {
     add_all(images);
     add_all(lights);
     add_values(key, environment_radiance);
+    key.add(environment_map.width).add(environment_map.height);
+    add_values(key, environment_map.values);
     add(key, sky);
     return key.key();
 }

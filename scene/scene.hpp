@@ -151,7 +151,10 @@ struct Scene {
     std::vector<Image8> images = {};
     std::vector<Light> lights = {};
     std::vector<Camera> cameras = {};
-    glm::vec3 environment_radiance{0};       ///< W/m²/sr from everywhere outside the geometry
+    glm::vec3 environment_radiance{0};  ///< W/m²/sr from everywhere outside the geometry
+    /// What the path tracer takes for the sky: radiance from outside the geometry beside environment_radiance, W/m²/sr,
+    /// three channels. Rows from +Y to -Y, columns from +X over +Z, both by equal angles; empty for none.
+    ImageF environment_map = {};
     std::optional<Sky> sky = {};             ///< its sun is among the lights (set_sky)
     std::vector<std::string> warnings = {};  ///< what the file uses and lumo does not do, one line each
 

@@ -9,6 +9,7 @@
 #include "scene/builtin/builtin.hpp"
 #include "scene/gltf.hpp"
 #include "scene/printable.hpp"
+#include "scene/sky.hpp"
 #include "techniques/shadow/shadow.hpp"
 
 namespace lumo::program {
@@ -32,6 +33,31 @@ void set_planes(scene::Camera& camera, const scene::Bounds& bounds) {
     camera.near_plane = std::min(largest_near, 0.01f * camera.far_plane);
 }
 
+/// The sky that the options ask for, in place of all that lit the scene from far away.
+Result<void> give_sky(scene::Scene& scene, const Options& options) {
+    if (options.sun && options.sun->irradiance == glm::vec3(0))
+        return fail(ErrorKind::invalid_argument, "--sun", "a sky needs a sun",
+                    "give its direction, also below the horizon, with any irradiance above 0");
+    scene::Sky sky = scene.sky.value_or(scene::Sky{});
+    if (options.sun) {
+        sky.direction_to_sun = options.sun->direction_to_sun;
+    } else if (!scene.sky) {
+        if (sun_of(scene).irradiance == glm::vec3(0)) {
+            add_daylight(scene);
+            scene.warnings.emplace_back("it has no sun: one is put high above it (--sun moves it)");
+        }
+        sky.direction_to_sun = sun_of(scene).direction_to_sun;
+    }
+    if (options.altitude_km) sky.altitude_km = *options.altitude_km;
+    if (!options.atmosphere.empty()) {
+        auto atmosphere = scene::load_atmosphere(options.atmosphere);
+        if (!atmosphere) return tl::unexpected(atmosphere.error());
+        sky.atmosphere = std::move(*atmosphere);
+    }
+    set_sky(scene, std::move(sky));
+    return {};
+}
+
 }  // namespace
 
 Result<scene::Scene> load_scene(const Options& options) {
@@ -50,6 +76,13 @@ Result<scene::Scene> load_scene(const Options& options) {
                                     fmt::join(scene::builtin_names(), ", ")));
         return scene::load_gltf(options.scene, {}, {.photometric = options.photometric});
     }();
+    if (scene && (options.sky || scene->sky)) {
+        if (const Result<void> done = give_sky(*scene, options); !done) return tl::unexpected(done.error());
+        return scene;
+    }
+    if (scene && (!options.atmosphere.empty() || options.altitude_km))
+        return fail(ErrorKind::invalid_argument, options.altitude_km ? "--altitude" : "--atmosphere",
+                    "the scene has no sky", "give --sky on");
     if (scene && options.sun) replace_sun(*scene, *options.sun);
     if (scene && !options.sun && !has_light(*scene)) {
         add_daylight(*scene);
@@ -60,6 +93,12 @@ Result<scene::Scene> load_scene(const Options& options) {
 }
 
 void replace_sun(scene::Scene& scene, const Sun& sun) {
+    if (scene.sky) {
+        scene::Sky sky = *scene.sky;
+        sky.direction_to_sun = sun.direction_to_sun;
+        set_sky(scene, std::move(sky));
+        return;
+    }
     std::erase_if(scene.lights,
                   [](const scene::Light& light) { return light.kind == scene::LightKind::directional; });
     if (sun.irradiance == glm::vec3(0)) return;
@@ -68,6 +107,9 @@ void replace_sun(scene::Scene& scene, const Sun& sun) {
 }
 
 Sun sun_of(const scene::Scene& scene) {
+    if (scene.sky)
+        return {.direction_to_sun = scene.sky->direction_to_sun,
+                .irradiance = sun_light(*scene.sky).intensity};
     const auto sun = std::ranges::find_if(scene.lights, shines);
     if (sun == scene.lights.end()) return {};
     return {.direction_to_sun = -sun->direction, .irradiance = sun->intensity};

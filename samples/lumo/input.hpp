@@ -10,15 +10,15 @@
 
 namespace lumo::program {
 
-/// The scene that the options name, under the sun that they ask for; a scene that nothing lights
+/// The scene that the options name, under the sun or the sky that they ask for; a scene that nothing lights
 /// gets one, and a warning. Errors: those of load_gltf and
 /// make_builtin.
 Result<scene::Scene> load_scene(const Options& options);
 
-/// Puts a sun in place of all directional lights.
+/// Puts a sun in place of all directional lights; under a sky its direction alone counts.
 void replace_sun(scene::Scene& scene, const Sun& sun);
 
-/// A scene's sun: its first directional light with any intensity; none: irradiance 0.
+/// A scene's sun, that of its sky, which the horizon may hide, or its first directional light with any intensity; none: irradiance 0.
 Sun sun_of(const scene::Scene& scene);
 
 /// The camera that the options name. Errors: invalid_argument with the cameras that there are.

@@ -25,12 +25,13 @@ constexpr uint64_t largest_config = uint64_t(1) << 20;  // bytes
 constexpr uint32_t most_frames = 1'000'000;
 
 using NamedCommand = std::pair<std::string_view, Command>;
-constexpr std::array<NamedCommand, 6> commands{{{"render", Command::render},
+constexpr std::array<NamedCommand, 7> commands{{{"render", Command::render},
                                                 {"check", Command::check},
                                                 {"diff", Command::diff},
                                                 {"devices", Command::devices},
                                                 {"bench", Command::bench},
-                                                {"probe", Command::probe}}};
+                                                {"probe", Command::probe},
+                                                {"report", Command::report}}};
 
 std::string available(auto&& names) { return fmt::format("available: {}", fmt::join(names, ", ")); }
 
@@ -115,28 +116,15 @@ std::function<Result<void>(const std::string&)> only(std::string name) {
 /// Options that --stats writes and --config reads, by their names without dashes.
 using SettingOptions = std::vector<std::pair<std::string, CLI::Option*>>;
 
-/// What a frame of a scene depends on, whatever draws it.
-SettingOptions add_scene_settings(CLI::App& app, Options& options) {
+/// How a frame is made: what changes its time and its error, and not what it shows.
+SettingOptions add_technique_settings(CLI::App& app, Options& options) {
     SettingOptions all;
     const auto setting = [&](const std::string& name, const std::string& type, const std::string& standard,
                              const std::string& help, const auto& parse) {
-        CLI::Option* option = add(app, name, type, standard, help, parse);
-        all.emplace_back(CLI::detail::to_lower(name.starts_with("--") ? name.substr(2) : name), option);
+        all.emplace_back(name.substr(2), add(app, name, type, standard, help, parse));
     };
     frame::Settings& frame = options.frame;
 
-    setting("SCENE", "", options.scene,
-            fmt::format("a .gltf or .glb file, or {}", fmt::join(scene::builtin_names(), ", ")),
-            [&](const std::string& text) -> Result<void> {
-                options.scene = text;
-                return {};
-            });
-    setting("--sun", "DX,DY,DZ:R,G,B", "",
-            "direction toward the sun and its irradiance on a plane facing it, W/m², or none; replaces the "
-            "scene's directional lights; a scene without any light gets one, if not given",
-            [&](const std::string& text) -> Result<void> {
-                return parse_sun(text).map([&](const Sun& sun) { options.sun = sun; });
-            });
     setting("--gi", "on|off", "on", "indirect light",
             one_of<bool>(&frame.gi, {{"on", true}, {"off", false}}));
     setting("--storage", "vt|svo", "vt", "of the voxels: a volume texture, or a sparse octree",
@@ -199,7 +187,50 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
                     frame.bounces = count;
                 });
             });
-    setting("--sky", "none", "none", "what lies beyond the scene, beside its own environment", only("none"));
+    setting("--plan", "auto|full", "auto", "full: nothing is left out of the frame",
+            one_of<frame::PlanMode>(&frame.plan,
+                                    {{"auto", frame::PlanMode::automatic}, {"full", frame::PlanMode::full}}));
+    return all;
+}
+
+/// What a frame of a scene depends on, whatever draws it.
+SettingOptions add_scene_settings(CLI::App& app, Options& options) {
+    SettingOptions all;
+    const auto setting = [&](const std::string& name, const std::string& type, const std::string& standard,
+                             const std::string& help, const auto& parse) {
+        CLI::Option* option = add(app, name, type, standard, help, parse);
+        all.emplace_back(CLI::detail::to_lower(name.starts_with("--") ? name.substr(2) : name), option);
+    };
+    frame::Settings& frame = options.frame;
+
+    setting("SCENE", "", options.scene,
+            fmt::format("a .gltf or .glb file, or {}", fmt::join(scene::builtin_names(), ", ")),
+            [&](const std::string& text) -> Result<void> {
+                options.scene = text;
+                return {};
+            });
+    setting("--sun", "DX,DY,DZ:R,G,B", "",
+            "direction toward the sun and its irradiance on a plane facing it, W/m², or none; replaces the "
+            "scene's directional lights; a scene without any light gets one, if not given",
+            [&](const std::string& text) -> Result<void> {
+                return parse_sun(text).map([&](const Sun& sun) { options.sun = sun; });
+            });
+    std::ranges::copy(add_technique_settings(app, options), std::back_inserter(all));
+    setting("--sky", "none|on", "none",
+            "on: an atmosphere around the scene, in place of its own environment, and its sun in the "
+            "direction of "
+            "--sun or of the scene's first directional light, as bright as the air lets it; the scene sky "
+            "has one",
+            one_of<bool>(&options.sky, {{"none", false}, {"on", true}}));
+    setting("--atmosphere", "FILE", "", "the sky's air, sun and ground as JSON; Earth's, if not given",
+            [&](const std::string& text) -> Result<void> {
+                options.atmosphere = text;
+                return {};
+            });
+    setting("--altitude", "KM", "", "of the scene's origin above the planet's ground: 0, if not given",
+            [&](const std::string& text) -> Result<void> {
+                return parse_altitude(text).map([&](double km) { options.altitude_km = km; });
+            });
     setting("--materials", "pbr|diffuse", "pbr",
             "diffuse: Lambertian with the base colour, without normal maps",
             one_of<bool>(&frame.diffuse_materials, {{"pbr", false}, {"diffuse", true}}));
@@ -208,9 +239,6 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
             "voxels; several by "
             "commas into one EXR, where final is the radiance without a layer's name",
             into(frame.layers, parse_layers));
-    setting("--plan", "auto|full", "auto", "full: nothing is left out of the frame",
-            one_of<frame::PlanMode>(&frame.plan,
-                                    {{"auto", frame::PlanMode::automatic}, {"full", frame::PlanMode::full}}));
     all.emplace_back("photometric", add_flag(app, "--photometric", options.photometric,
                                              "the file's lights are lux, candela and nit: divide by 683"));
     return all;
@@ -244,6 +272,28 @@ SettingOptions add_view_settings(CLI::App& app, Options& options, const std::str
     return all;
 }
 
+CLI::Option* add_spp(CLI::App& app, Options& options) {
+    return add(
+        app, "--spp", "N", fmt::to_string(options.spp), "samples a pixel of the path tracer, 2 and up",
+        [&](const std::string& text) -> Result<void> {
+            return parse_integer(text, 2, std::numeric_limits<uint32_t>::max()).map([&](uint32_t count) {
+                options.spp = count;
+            });
+        });
+}
+
+CLI::Option* add_runs(CLI::App& app, Options& options, const std::string& help) {
+    return add(app, "--runs", "N", "", help, [&](const std::string& text) -> Result<void> {
+        return parse_integer(text, 1, 1000).map([&](uint32_t count) { options.runs = count; });
+    });
+}
+
+void add_validation(CLI::App& app, Options& options) {
+    add_flag(app, "--validation", options.validation,
+             "the validation layers, or a debug context; what they find fails the run")
+        ->envname("LUMO_VALIDATION");
+}
+
 /// What a picture depends on beside.
 SettingOptions add_picture_settings(CLI::App& app, Options& options) {
     SettingOptions all = add_view_settings(app, options, "the first that works");
@@ -253,8 +303,13 @@ SettingOptions add_picture_settings(CLI::App& app, Options& options) {
     };
     frame::Settings& frame = options.frame;
 
-    setting("--exposure", "STOPS", fmt::format("{}", frame.post.exposure), "of display-referred pictures",
-            into(frame.post.exposure, parse_exposure));
+    setting("--exposure", "STOPS|auto", "auto",
+            fmt::format("of display-referred pictures; auto: 0, or {} under a sky", frame::daylight_exposure),
+            [&](const std::string& text) -> Result<void> {
+                frame.exposure.reset();
+                if (text == "auto") return {};
+                return parse_exposure(text).map([&](float stops) { frame.exposure = stops; });
+            });
     std::vector<std::pair<std::string, post::Tonemap>> curves;
     for (int i = 0; i < post::tonemap_count; ++i)
         curves.emplace_back(to_string(post::Tonemap(i)), post::Tonemap(i));
@@ -264,12 +319,7 @@ SettingOptions add_picture_settings(CLI::App& app, Options& options) {
     all.emplace_back("reference",
                      add_flag(app, "--reference", options.reference,
                               "the path tracer on the CPU instead of a GPU: .exr, at pixel centres"));
-    setting("--spp", "N", fmt::to_string(options.spp), "samples a pixel of the path tracer, 2 and up",
-            [&](const std::string& text) -> Result<void> {
-                return parse_integer(text, 2, std::numeric_limits<uint32_t>::max()).map([&](uint32_t count) {
-                    options.spp = count;
-                });
-            });
+    all.emplace_back("spp", add_spp(app, options));
 
     Animation& animation = options.animation;
     setting(
@@ -292,6 +342,24 @@ std::string as_argument(const Json& value) {
     return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
+/// Gives an option a value as the command line would. Errors: invalid_argument.
+Result<void> give(CLI::Option& option, const std::string& value) {
+    try {
+        option.add_result(value);
+        option.run_callback();
+    } catch (const CLI::Error& error) {
+        return fail(ErrorKind::invalid_argument, scene::printable(value),
+                    scene::printable(error.what(), 1000));
+    }
+    return {};
+}
+
+std::string names_of(const SettingOptions& settings) {
+    std::vector<std::string> names;
+    for (const auto& [name, option] : settings) names.push_back(name);
+    return available(names);
+}
+
 /// Gives options the values of a file where the command line has none.
 Result<void> read_config(const std::filesystem::path& file, const SettingOptions& settings) {
     const std::string name = scene::printable(file.string());
@@ -305,20 +373,13 @@ Result<void> read_config(const std::filesystem::path& file, const SettingOptions
 
     for (const auto& [key, value] : config.items()) {
         const auto setting = std::ranges::find(settings, key, &SettingOptions::value_type::first);
-        if (setting == settings.end()) {
-            std::vector<std::string> known;
-            for (const auto& [each, option] : settings) known.push_back(each);
+        if (setting == settings.end())
             return fail(ErrorKind::invalid_file, name, fmt::format("no setting '{}'", scene::printable(key)),
-                        available(known));
-        }
+                        names_of(settings));
         CLI::Option* option = setting->second;
         if (option->count() > 0) continue;
-        try {
-            option->add_result(as_argument(value));
-            option->run_callback();
-        } catch (const CLI::Error& error) {
-            return fail(ErrorKind::invalid_file, name, scene::printable(error.what(), 1000));
-        }
+        if (const Result<void> given = give(*option, as_argument(value)); !given)
+            return fail(ErrorKind::invalid_file, name, given.error().message);
     }
     return {};
 }
@@ -376,9 +437,7 @@ SettingOptions add_render(CLI::App& app, Options& options, std::filesystem::path
         "run: renderdoccmd capture -w lumo render ...");
     add_flag(app, "--explain", options.explain, "prints what the frame needs and leaves out, and why");
     add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
-    add_flag(app, "--validation", options.validation,
-             "the validation layers, or a debug context; what they find fails the run")
-        ->envname("LUMO_VALIDATION");
+    add_validation(app, options);
     app.footer(
         "Exit code 1 if, with --api both, the pictures differ by more than they may.\n\n"
         "Examples:\n"
@@ -399,6 +458,37 @@ SettingOptions add_check(CLI::App& app, Options& options) {
         "Examples:\n"
         "  lumo check Sponza.gltf\n"
         "  lumo check cornell --gi off --json");
+    return settings;
+}
+
+SettingOptions add_report(CLI::App& app, Options& options) {
+    SettingOptions settings = add_scene_settings(app, options);
+    std::ranges::copy(add_view_settings(app, options, "each that works"), std::back_inserter(settings));
+    const auto add_list = [&](const char* name, const char* type, std::vector<std::string>& place,
+                              const std::string& help) {
+        app.add_option(name, place, wrapped(help))->option_text(type)->allow_extra_args(false);
+    };
+    add_list("--vary", "NAME=V1,V2,... ...", options.vary,
+             "values of an option, as voxels=64,128; given several times, every combination is measured; if "
+             "not given, voxels, cones, mips and rotate-cones");
+    add_list("--also", "NAME=V,... ...", options.also, "one configuration more, as voxels=256,cones=18");
+    settings.emplace_back("spp", add_spp(app, options));
+    settings.emplace_back("runs", add_runs(app, options,
+                                           "frames by which a configuration is timed, at most: fewer where "
+                                           "their median is stable; if not given, 15"));
+    add_file(app, "-o", options.output,
+             "the folder for report.json, report.csv, plots and index.html; what it holds of an interrupted "
+             "report is not measured again; if not given, SCENE-report")
+        ->option_text("FOLDER");
+    add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
+    add_validation(app, options);
+    app.footer(
+        "If not given, --size is 320x180 and --layer is irradiance. Path-traced pictures are kept in "
+        "$XDG_CACHE_HOME/lumo/reference.\n\n"
+        "Examples:\n"
+        "  lumo report cornell\n"
+        "  lumo report Sponza.gltf --api both --vary voxels=128,256 --vary cones=6,9 -o sponza\n"
+        "  lumo report atrium --also bounces=4 --spp 1024 --size 160x90");
     return settings;
 }
 
@@ -437,11 +527,7 @@ SettingOptions add_bench(CLI::App& app, Options& options) {
     SettingOptions settings = add_scene_settings(app, options);
     std::ranges::copy(add_view_settings(app, options, "each that works"), std::back_inserter(settings));
     settings.emplace_back(
-        "runs",
-        add(app, "--runs", "N", "", "figures are medians of so many: if not given 5, of voxels 100",
-            [&](const std::string& text) -> Result<void> {
-                return parse_integer(text, 1, 1000).map([&](uint32_t count) { options.runs = count; });
-            }));
+        "runs", add_runs(app, options, "figures are medians of so many: if not given 5, of voxels 100"));
     add_flag(app, "--json", options.json, "machine-readable output");
     add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
     app.footer(
@@ -462,9 +548,10 @@ void add_probe(CLI::App& app, Options& options) {
              "CSV with the columns quantity, camera_alt_km, view_zenith_deg, sun_zenith_deg, rel_azimuth_deg "
              "and distance_km; further ones are kept")
         ->required();
-    add_file(app, "--out", options.output,
-             "the same with the columns value_0, value_1 ..., one for each wavelength, in W/m²/sr/nm, W/m²/nm "
-             "or 1; by --reference also error_0 ..., the standard errors of what is sampled")
+    add_file(
+        app, "--out", options.output,
+        "the same with the columns value_0, value_1 ..., one for each wavelength, in W/m²/sr/nm, W/m²/nm "
+        "or 1; by --reference also error_0 ..., the standard errors of what is sampled")
         ->required();
     add_file(app, "--atmosphere", probe.atmosphere, "JSON; Earth, if not given");
     add(app, "--orders", "N|all", "all",
@@ -484,9 +571,11 @@ void add_probe(CLI::App& app, Options& options) {
     app.footer(
         "Quantities: transmittance_to_space, transmittance_segment (over distance_km), radiance, "
         "radiance_order1,\n"
-        "inscatter (over distance_km), sky_irradiance and sun_irradiance (on a horizontal plane). View zenith "
+        "inscatter (over distance_km), sky_irradiance and sun_irradiance (on a horizontal plane). View "
+        "zenith "
         "is at\n"
-        "the camera from the local vertical, azimuth 0 is toward the sun. A row's cells for what its quantity "
+        "the camera from the local vertical, azimuth 0 is toward the sun. A row's cells for what its "
+        "quantity "
         "does\n"
         "not depend on may be empty.\n\n"
         "Examples:\n"
@@ -496,6 +585,22 @@ void add_probe(CLI::App& app, Options& options) {
 }
 
 }  // namespace
+
+Result<Options> with_settings(const Options& options, const std::vector<SettingValue>& values) {
+    Options changed = options;
+    CLI::App app;
+    const SettingOptions settings = add_technique_settings(app, changed);
+    for (const auto& [name, value] : values) {
+        const auto setting = std::ranges::find(settings, name, &SettingOptions::value_type::first);
+        if (setting == settings.end())
+            return fail(ErrorKind::invalid_argument, fmt::format("'{}'", scene::printable(name)),
+                        "is no setting that can be varied", names_of(settings));
+        if (Result<void> given = give(*setting->second, value); !given) return tl::unexpected(given.error());
+        changed.settings.update(collect({*setting}));
+        changed.given.insert(name);
+    }
+    return changed;
+}
 
 tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) {
     Options options;
@@ -521,6 +626,9 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
         add_bench(*app.add_subcommand("bench", "Measures what is to be fast."), options);
 
     add_probe(*app.add_subcommand("probe", "Answers with numbers instead of pictures."), options);
+
+    const SettingOptions report_settings = add_report(
+        *app.add_subcommand("report", "Measures error against run time, by configuration."), options);
 
     const auto is_command = [](std::string_view name) {
         return std::ranges::find(commands, name, &NamedCommand::first) != commands.end();
@@ -559,9 +667,10 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
         if (const Result<void> done = read_config(config, render_settings); !done)
             return refuse(to_string(done.error()));
     }
-    const SettingOptions& settings = options.command == Command::check   ? check_settings
-                                     : options.command == Command::bench ? bench_settings
-                                                                         : render_settings;
+    const SettingOptions& settings = options.command == Command::check    ? check_settings
+                                     : options.command == Command::bench  ? bench_settings
+                                     : options.command == Command::report ? report_settings
+                                                                          : render_settings;
     options.settings = collect(settings);
     for (const auto& [name, option] : settings)
         if (option->count() > 0) options.given.insert(name);

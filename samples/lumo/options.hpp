@@ -24,7 +24,7 @@ enum ExitCode : int {
     exit_failed = 2,
 };
 
-enum class Command : uint8_t { render, check, diff, devices, bench, probe, version };
+enum class Command : uint8_t { render, check, diff, devices, bench, probe, report, version };
 enum class ApiChoice : uint8_t { first, vulkan, gl, both };
 enum class ParityChoice : uint8_t { mesa, hardware };
 
@@ -59,7 +59,10 @@ struct Options {
     std::string scene = "atrium";
     bool photometric = false;
     CameraChoice camera = {};
-    std::optional<Sun> sun = {};  ///< in place of the scene's directional lights
+    std::optional<Sun> sun = {};             ///< in place of the scene's directional lights
+    bool sky = false;                        ///< also around a scene that has none
+    std::filesystem::path atmosphere = {};   ///< of the sky; its own if empty
+    std::optional<double> altitude_km = {};  ///< scene::Sky::altitude_km
     frame::Settings frame = {};
     Animation animation = {};
     bool reference = false;  ///< the path tracer instead of a GPU
@@ -87,7 +90,17 @@ struct Options {
     /// Settings that the command line or the configuration gave, by their names without dashes.
     std::set<std::string> given = {};
     uint32_t runs = 5;  ///< of a benchmark: its figures are medians of so many
+
+    std::vector<std::string> vary = {};  ///< of a report: NAME=V1,V2,...
+    std::vector<std::string> also = {};  ///< of a report: NAME=V,NAME=V,...
 };
+
+/// A setting by its name without dashes, and its value as on the command line.
+using SettingValue = std::pair<std::string, std::string>;
+
+/// The same options with these settings, of those that say how a frame is made and not what it shows. Errors:
+/// invalid_argument, with what there is.
+Result<Options> with_settings(const Options& options, const std::vector<SettingValue>& values);
 
 /// A command line that asks for no work, or for something that there is not.
 struct Refusal {

@@ -288,7 +288,7 @@ Result<int> render(const Options& options) {
     for (const std::string& line : warnings_of(*scene)) spdlog::warn("{}", line);
     const auto camera = choose_camera(options, *scene);
     if (!camera) return tl::unexpected(camera.error());
-    if (options.animation.sun_to && sun_of(*scene).irradiance == glm::vec3(0))
+    if (options.animation.sun_to && !scene->sky && sun_of(*scene).irradiance == glm::vec3(0))
         return fail(ErrorKind::invalid_argument, "--sun-to", "the scene has no sun to move",
                     "give one with --sun");
 

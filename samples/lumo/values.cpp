@@ -15,6 +15,7 @@ constexpr uint32_t largest_side = 16384;
 constexpr uint32_t smallest_volume = 16, largest_volume = 1024;
 constexpr uint32_t most_orders = 1000;
 constexpr double largest_exposure = 64;
+constexpr double highest_altitude = 1e6;                            // km
 constexpr double shortest_distance = 1e-6, longest_distance = 1e9;  // metres
 
 tl::unexpected<Error> expected(std::string_view text, std::string what) {
@@ -148,6 +149,13 @@ Result<float> parse_exposure(std::string_view text) {
     if (!stops || std::abs(*stops) > largest_exposure)
         return expected(text, fmt::format("stops from {} to {}", -largest_exposure, largest_exposure));
     return float(*stops);
+}
+
+Result<double> parse_altitude(std::string_view text) {
+    const auto km = number(text);
+    if (!km || *km < 0 || *km > highest_altitude)
+        return expected(text, fmt::format("kilometres from 0 to {}", highest_altitude));
+    return *km;
 }
 
 Result<float> parse_distance(std::string_view text) {

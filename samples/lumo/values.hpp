@@ -21,7 +21,8 @@ Result<Sun> parse_sun(std::string_view text);              ///< dx,dy,dz:r,g,b o
 Result<std::vector<frame::Layer>> parse_layers(std::string_view text);  ///< by commas, each once
 Result<float> parse_exposure(std::string_view text);                    ///< stops, -64 to 64
 
-Result<float> parse_distance(std::string_view text);  ///< metres, 1e-6 to 1e9
+Result<double> parse_altitude(std::string_view text);  ///< km, 0 to 1e6
+Result<float> parse_distance(std::string_view text);   ///< metres, 1e-6 to 1e9
 
 Result<uint32_t> parse_orders(std::string_view text);  ///< of scattering: 1 to 1000, or all
 Result<double> parse_part(std::string_view text);      ///< of a whole, 0 to 1

@@ -17,7 +17,7 @@ struct Entry {
 constexpr std::array entries{
     Entry{"atrium", builtin::make_atrium},         Entry{"cornell", builtin::make_cornell},
     Entry{"area-light", builtin::make_area_light}, Entry{"area-light-pure", builtin::make_area_light_pure},
-    Entry{"furnace", builtin::make_furnace},
+    Entry{"furnace", builtin::make_furnace},       Entry{"sky", builtin::make_sky},
 };
 
 constexpr auto names = [] {

@@ -10,5 +10,6 @@ Scene make_cornell();
 Scene make_area_light();
 Scene make_area_light_pure();
 Scene make_furnace();
+Scene make_sky();
 
 }  // namespace lumo::scene::builtin

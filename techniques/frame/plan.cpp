@@ -22,7 +22,8 @@ SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
             }
         }
     }
-    facts.environment = scene.environment_radiance != glm::vec3(0);
+    facts.sky = scene.sky.has_value();
+    facts.environment = facts.sky || scene.environment_radiance != glm::vec3(0);
     for (const scene::Light& light : shadow::drawn_lights(scene.lights)) {
         facts.several_lights |= facts.lights || light.kind != scene::LightKind::directional;
         facts.lights = true;
@@ -34,6 +35,8 @@ SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
 Settings resolve(Settings settings, const SceneFacts& facts) {
     settings.voxels.range =
         settings.range.value_or(facts.wide_range() ? voxels::Range::fixed : voxels::Range::ldr);
+    settings.post.exposure =
+        settings.exposure.value_or(facts.sky ? daylight_exposure : settings.post.exposure);
     return settings;
 }
 

@@ -23,6 +23,7 @@ struct SceneFacts {
     bool normal_maps = false;
     bool specular = false;        ///< some lit surface is not purely diffuse under these settings
     bool environment = false;     ///< light comes from outside the scene
+    bool sky = false;             ///< … of an atmosphere
     bool lights = false;          ///< analytic lights shine
     bool several_lights = false;  ///< … and not one directional light alone
     uint32_t light_cameras = 0;   ///< shadow maps that they need

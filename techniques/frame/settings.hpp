@@ -40,6 +40,9 @@ enum class PlanMode : uint8_t { automatic, full };
 /// What gathers the diffuse indirect light of visible surfaces: cones, or, to measure what cones lose, many rays.
 enum class Gatherer : uint8_t { cones, rays };
 
+/// Stops at which a white wall in sunlight is about white.
+inline constexpr float daylight_exposure = -5;
+
 struct Settings {
     rhi::Extent size{960, 540};  ///< pixels
     bool gi = true;
@@ -55,6 +58,7 @@ struct Settings {
     /// Metres, above 0, where occlusion counts half; none: a tenth of the grid's side.
     std::optional<float> ao_radius = {};
     shadow::Settings shadow = {};
+    std::optional<float> exposure = {};  ///< post.exposure; none: that, or daylight_exposure under a sky
     post::Settings post = {};
 
     bool wants(Layer layer) const;
