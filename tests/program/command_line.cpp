@@ -7,7 +7,7 @@ namespace {
 class CommandLine : public Program {};
 
 TEST_F(CommandLine, HelpOfEverySubcommandHasExamples) {
-    for (const std::string name : {"render", "check", "diff", "devices", "bench"}) {
+    for (const std::string name : {"render", "check", "diff", "devices", "bench", "probe"}) {
         const Outcome run = done({name, "--help"});
         EXPECT_TRUE(contains(run.out, "Examples:\n  lumo " + name)) << run.out;
         EXPECT_EQ(run.err, "");
@@ -16,7 +16,7 @@ TEST_F(CommandLine, HelpOfEverySubcommandHasExamples) {
 
 TEST_F(CommandLine, HelpListsTheSubcommands) {
     const Outcome run = done({"--help"});
-    for (const char* name : {"render", "check", "diff", "devices", "bench"})
+    for (const char* name : {"render", "check", "diff", "devices", "bench", "probe"})
         EXPECT_TRUE(contains(run.out, name));
 }
 
@@ -113,7 +113,12 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{{"render", "cornell", "--device", "no such device"}, {"no such device"}},
         Refused{{"render", "cornell", "--sun-to", "0,1,0:1,1,1"}, {"--sun-to", "--sun"}},
         Refused{{"render", "one\x1b[31m.gltf"}, {"one?[31m.gltf"}}, Refused{{"diff", "a.png"}, {"B"}},
-        Refused{{"diff", "a.png", "b.png"}, {"a.png"}}, Refused{{"devices", "--all"}, {"--all", "--json"}}));
+        Refused{{"diff", "a.png", "b.png"}, {"a.png"}}, Refused{{"devices", "--all"}, {"--all", "--json"}},
+        Refused{{"probe", "slab"}, {"'slab'", "available: sky"}},
+        Refused{{"probe", "sky", "--out", "x.csv"}, {"--in", "required"}},
+        Refused{{"probe", "sky", "--orders", "0"}, {"--orders", "'0'", "1 to 1000, or all"}},
+        Refused{{"probe", "sky", "--max-error", "2"}, {"--max-error", "'2'", "0 to 1"}},
+        Refused{{"probe", "sky", "--in", "no.csv", "--out", "x.csv", "--reference"}, {"no.csv", "exist"}}));
 
 TEST_F(CommandLine, ConfigRefusesWhatItDoesNotKnow) {
     const std::vector<std::pair<std::string, std::string>> cases{

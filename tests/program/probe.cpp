@@ -1,0 +1,238 @@
+// `lumo probe sky`: rows in, the same rows with answers out.
+#include <cmath>
+#include <fmt/format.h>
+
+#include "program.hpp"
+
+namespace lumo::test {
+namespace {
+
+constexpr std::string_view header =
+    "quantity,camera_alt_km,view_zenith_deg,sun_zenith_deg,rel_azimuth_deg,distance_km\n";
+
+constexpr std::string_view every_quantity =
+    "transmittance_to_space,2,80,,,\n"
+    "transmittance_segment,2,80,,,15\n"
+    "radiance,0,60,40,30,\n"
+    "radiance_order1,0,60,40,30,\n"
+    "inscatter,0,60,40,30,10\n"
+    "sky_irradiance,0,,40,,\n"
+    "sun_irradiance,0,,40,,\n";
+
+/// One wavelength, and what a test adds.
+std::string atmosphere(const std::string& species) {
+    return R"({"wavelengths_nm": [550], "radius_ground_km": 6360, "radius_top_km": 6420,
+               "sun": {"irradiance": [1.5], "angular_radius_deg": 0.2678}, "ground_albedo": [0.1])" +
+           species + "}";
+}
+
+std::string data(const std::string& name) { return LUMO_SOURCE_DIR "/tests/data/atmosphere/" + name; }
+
+/// Lines of plain fields.
+std::vector<std::vector<std::string>> fields(const std::string& text) {
+    std::vector<std::vector<std::string>> rows;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        rows.emplace_back();
+        std::istringstream cells(line + ',');
+        for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+    }
+    return rows;
+}
+
+class Probe : public Program {
+  protected:
+    /// The answer's table as text.
+    std::string ask(const std::string& rows, const Arguments& more = {}) const {
+        write("in.csv", rows);
+        Arguments arguments{"probe", "sky", "--in", "in.csv", "--out", "out.csv"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome run = done(arguments);
+        EXPECT_EQ(run.out, "");
+        EXPECT_EQ(run.err, "") << "no progress where there is no terminal";
+        return bytes("out.csv");
+    }
+    /// By the reference, the first wavelength's values alone.
+    std::vector<double> values(const std::string& rows, Arguments more = {}) const {
+        more.insert(more.end(), {"--reference", "--samples", "4000"});
+        std::vector<double> first;
+        const auto table = fields(ask(std::string(header) + rows, more));
+        for (size_t i = 1; i < table.size(); ++i) first.push_back(std::stod(table[i].at(6)));
+        return first;
+    }
+};
+
+TEST_F(Probe, KeepsColumnsAndRowsAsTheyWere) {
+    const std::string rows =
+        "note,distance_km,quantity,sun_zenith_deg,camera_alt_km,rel_azimuth_deg,view_zenith_deg\r\n"
+        "\"a, \"\"b\"\"\n c\",10,transmittance_segment,,1,,90\r\n"
+        "\r\n"
+        ",,transmittance_to_space,not read,40,,0\n";
+    const std::string answer = ask(rows, {"--reference", "--atmosphere", data("planetoid.json")});
+    EXPECT_TRUE(answer.starts_with(
+        "note,distance_km,quantity,sun_zenith_deg,camera_alt_km,rel_azimuth_deg,view_zenith_deg,value_0\n"
+        "\"a, \"\"b\"\"\n c\",10,transmittance_segment,,1,,90,0."))
+        << answer;
+    EXPECT_TRUE(contains(answer, "\n,,transmittance_to_space,not read,40,,0,0.9")) << answer;
+    EXPECT_EQ(lines(answer), 4);
+}
+
+TEST_F(Probe, ATableWithoutRowsIsAnswered) { EXPECT_EQ(ask(std::string(header), {"--reference"}), header); }
+
+TEST_F(Probe, WhatIsSampledHasAnError) {
+    const auto table =
+        fields(ask(std::string(header) + std::string(every_quantity), {"--reference", "--samples", "4096"}));
+    ASSERT_EQ(table.size(), 8);
+    EXPECT_EQ(table[0].back(), "error_2");
+    for (size_t i = 1; i < table.size(); ++i) {
+        ASSERT_EQ(table[i].size(), 12);
+        const bool sampled = i == 3 || i == 5 || i == 6;
+        for (size_t w = 0; w < 3; ++w) {
+            EXPECT_GT(std::stod(table[i][6 + w]), 0);
+            EXPECT_EQ(table[i][9 + w].empty(), !sampled) << table[i][0];
+            if (sampled) {
+                EXPECT_LT(std::stod(table[i][9 + w]), 0.03 * std::stod(table[i][6 + w]));
+            }
+        }
+    }
+}
+
+TEST_F(Probe, ARowsAnswerIsTheSameInAnyTable) {
+    const std::string row = "radiance,0,60,40,30,\n";
+    const Arguments few{"--reference", "--samples", "9000", "--max-error", "0"};
+    const std::string alone = ask(std::string(header) + row, few);
+    const std::string among = ask(std::string(header) + std::string(every_quantity) + row, few);
+    EXPECT_EQ(fields(alone)[1], fields(among)[3]);
+    EXPECT_EQ(fields(alone)[1], fields(among)[8]);
+}
+
+TEST_F(Probe, SamplingEndsAtTheErrorAskedFor) {
+    const auto error = [&](const char* asked) {
+        const auto row = fields(ask(std::string(header) + "radiance,0,60,40,30,\n",
+                                    {"--reference", "--max-error", asked, "--orders", "4"}))[1];
+        return std::stod(row[11]) / std::stod(row[8]);
+    };
+    const double coarse = error("0.01"), fine = error("0.002");
+    EXPECT_LT(coarse, 0.01);
+    EXPECT_GT(coarse, 0.002);
+    EXPECT_LT(fine, 0.002);
+    EXPECT_GT(fine, 0.0005) << "much more than was asked for";
+}
+
+TEST_F(Probe, EachOrderAddsLight) {
+    const std::string row = "radiance,0,60,40,30,\n";
+    const double one = values(row, {"--orders", "1"})[0], two = values(row, {"--orders", "2"})[0],
+                 four = values(row, {"--orders", "4"})[0], all = values(row)[0];
+    EXPECT_EQ(one, values("radiance_order1,0,60,40,30,\n")[0]);
+    EXPECT_GT(two, 1.02 * one);
+    EXPECT_GT(four, 1.002 * two);
+    EXPECT_GT(all, four);
+    EXPECT_LT(all, 1.01 * four);
+}
+
+/// Ozone's density is a triangle of area 15 km.
+TEST_F(Probe, AnAbsorberAloneDarkensAndScattersNothing) {
+    write("a.json",
+          atmosphere(
+              R"(, "ozone": {"extinction_per_km": [0.02], "bottom_km": 10, "peak_km": 25, "top_km": 40})"));
+    const auto found = values(
+        "transmittance_to_space,0,0,,,\nsun_irradiance,0,,0,,\nradiance,0,60,40,30,\nsky_irradiance,0,,40,,\n"
+        "inscatter,0,60,40,30,10\ntransmittance_segment,30,0,,,10\n",
+        {"--atmosphere", "a.json"});
+    EXPECT_NEAR(found[0], std::exp(-0.3), 1e-9);
+    EXPECT_NEAR(found[1], 1.5 * std::exp(-0.3), 1e-9);
+    EXPECT_EQ(found[2], 0);
+    EXPECT_EQ(found[3], 0);
+    EXPECT_EQ(found[4], 0);
+    EXPECT_NEAR(found[5], std::exp(-0.02 * 100 / 30), 1e-9);
+}
+
+TEST_F(Probe, NoSpeciesAtAllIsEmptySpace) {
+    write("a.json", atmosphere(""));
+    EXPECT_EQ(values(std::string(every_quantity), {"--atmosphere", "a.json"}),
+              (std::vector<double>{1, 1, 0, 0, 0, 0, 1.5 * std::sin(50 * M_PI / 180)}));
+}
+
+TEST_F(Probe, ExtremeRowsOfOtherPlanetsAreFiniteAndNotNegative) {
+    std::string rows(header);
+    for (const char* altitude : {"0", "0.000001", "50", "110", "10000"}) {
+        for (const char* view : {"0", "90", "90.001", "180"}) {
+            for (const char* sun : {"0", "90", "108"}) {
+                for (const char* quantity : {"radiance", "transmittance_to_space", "inscatter"})
+                    rows += fmt::format("{},{},{},{},0,0.5\n", quantity, altitude, view, sun);
+            }
+        }
+    }
+    for (const char* name : {"mars.json", "planetoid.json"}) {
+        const auto table = fields(
+            ask(rows, {"--reference", "--atmosphere", data(name), "--samples", "100", "--orders", "4"}));
+        double most = 0;
+        for (size_t i = 1; i < table.size(); ++i) {
+            const double value = std::stod(table[i].at(6));
+            ASSERT_TRUE(std::isfinite(value) && value >= 0) << testing::PrintToString(table[i]);
+            most = std::max(most, value);
+        }
+        EXPECT_EQ(most, 1) << "nothing in the way";
+    }
+}
+
+TEST_F(Probe, WrongTablesAreNamedByLineColumnAndValue) {
+    struct Case {
+        std::string text;
+        std::vector<std::string> said;
+    };
+    const std::string begin(header);
+    const std::vector<Case> cases{
+        {"", {"is empty"}},
+        {"quantity,camera_alt_km\nradiance,0\n", {"no column view_zenith_deg", "add it"}},
+        {"camera_alt_km\n0\n", {"no column quantity"}},
+        {"quantity,quantity\n", {"line 1", "two columns are called 'quantity'"}},
+        {"quantity,,\n", {"line 1", "no name"}},
+        {begin + "luminance,0,0,0,0,0\n", {"line 2, column quantity", "'luminance'", "radiance_order1"}},
+        {begin + "radiance,0,0,0,0,\nradiance,-1,0,0,0,\n",
+         {"line 3, column camera_alt_km", "'-1'", "0 to 1e+06"}},
+        {begin + "\nradiance,0,181,0,0,\n", {"line 3, column view_zenith_deg", "'181'", "0 to 180"}},
+        {begin + "radiance,0,0,,0,\n", {"line 2, column sun_zenith_deg", "''", "0 to 180"}},
+        {begin + "radiance,0,0,0,north,\n", {"line 2, column rel_azimuth_deg", "'north'"}},
+        {begin + "radiance,0,0,0,nan,\n", {"line 2, column rel_azimuth_deg", "'nan'"}},
+        {begin + "inscatter,0,0,0,0,inf\n", {"line 2, column distance_km", "'inf'"}},
+        {begin + "inscatter,0,0,0,0,1e999\n", {"line 2, column distance_km", "'1e999'"}},
+        {begin + "inscatter,0,0,0,0,\x1b[31m\n", {"line 2, column distance_km", "'?[31m'"}},
+        {begin + "radiance,0,0,0,0\n", {"line 2", "has 5 fields", "give 6"}},
+        {begin + "\"radiance\"x,0,0,0,0,\n", {"line 2", "quote"}},
+        {begin + "radiance,0,0,0,0,\"\n\n", {"line 3", "quote"}},
+        {"value_0," + begin + "1,radiance,0,0,0,0,\n", {"value_0 already", "rename"}},
+    };
+    for (const Case& wrong : cases) {
+        write("in.csv", wrong.text);
+        const Outcome run =
+            lumo({"probe", "sky", "--in", "in.csv", "--out", "out.csv", "--reference", "--samples", "1"});
+        EXPECT_EQ(run.exit_code, 2) << wrong.text;
+        EXPECT_EQ(lines(run.err), 1) << run.err;
+        EXPECT_TRUE(contains(run.err, "in.csv")) << run.err;
+        for (const std::string& part : wrong.said) EXPECT_TRUE(contains(run.err, part)) << run.err;
+        EXPECT_FALSE(std::filesystem::exists(path("out.csv"))) << wrong.text;
+    }
+}
+
+TEST_F(Probe, WrongAtmospheresAreNamedByFieldAndValue) {
+    write("in.csv", std::string(header));
+    const std::vector<std::pair<std::string, std::string>> cases{
+        {"{", "is not JSON"},
+        {"{}", "is missing"},
+        {atmosphere(R"(, "rayleigh": {"scattering_per_km": [1, 2], "scale_height_km": 8})"),
+         "rayleigh.scattering_per_km has 2 values"},
+        {atmosphere(R"(, "clouds": {})"), "'clouds'"},
+    };
+    for (const auto& [text, said] : cases) {
+        write("a.json", text);
+        const Outcome run = lumo(
+            {"probe", "sky", "--in", "in.csv", "--out", "out.csv", "--atmosphere", "a.json", "--reference"});
+        EXPECT_EQ(run.exit_code, 2) << text;
+        EXPECT_EQ(lines(run.err), 1) << run.err;
+        EXPECT_TRUE(contains(run.err, "a.json") && contains(run.err, said)) << run.err;
+    }
+}
+
+}  // namespace
+}  // namespace lumo::test
