@@ -21,7 +21,9 @@ layout(push_constant) uniform Push {
     float emission_unit;
     int resolution;        // voxels a side
     int rays;              // a pixel
-    int first_row;         // of this dispatch, a multiple of 4
+    int first_ray;         // of this dispatch, which adds its rays to those before
+    int end_ray;
+    int first_row;
 } push;
 
 layout(binding = 0) uniform sampler2D depth;
@@ -31,53 +33,79 @@ layout(binding = 2) uniform sampler2D geometric_normal_occlusion;
 layout(binding = 4) uniform sampler3D radiance;
 layout(binding = 5) uniform sampler3D emission;
 layout(binding = 6) uniform usampler3D nodes;  // of an octree
-layout(binding = 7, rgba32f) writeonly uniform image2D irradiance;
+layout(binding = 7, rgba32f) LUMO_READ_WRITE uniform image2D irradiance;
 
 // A ray ends when less than this part of the light behind gets through.
 const float min_transmittance = 1e-3;
 
+// Where a voxel's values are; negative where it holds nothing.
+ivec3 texel_of(ivec3 voxel) { return octree_levels > 0 ? voxel_texel(nodes, voxel) : voxel; }
+
+float opacity_of(ivec3 voxel) {
+    ivec3 texel = texel_of(voxel);
+    return texel.x >= 0 ? texelFetch(radiance, texel, 0).a : 0.0;
+}
+
 vec3 trace_ray(vec3 origin, vec3 direction) {
     vec3 gathered = vec3(0);
     float transmittance = 1.0;
-    float entered = 0.0;
     Walk walk = start_walk(origin, direction, ivec3(floor(origin)));
-    while (transmittance >= min_transmittance && inside_grid(walk.voxel, push.resolution)) {
-        float leaves = leaves_voxel(walk);
-        ivec3 texel = octree_levels > 0 ? voxel_texel(nodes, walk.voxel) : walk.voxel;
-        vec4 stored = texel.x >= 0 ? texelFetch(radiance, texel, 0) : vec4(0);
-        if (stored.a > 0.0) {
-            vec3 leaving = stored.rgb * push.radiance_unit;
+    float entered = 0.0;
+    bool inside = inside_grid(walk.voxel, push.resolution);
+    while (transmittance >= min_transmittance && inside) {
+        float opacity = opacity_of(walk.voxel);
+        while (opacity == 0.0 && inside) {
+            entered = leaves_voxel(walk);
+            step_walk(walk);
+            inside = inside_grid(walk.voxel, push.resolution);
+            opacity = inside ? opacity_of(walk.voxel) : 0.0;
+        }
+        if (inside) {
+            ivec3 texel = texel_of(walk.voxel);
+            vec3 leaving = texelFetch(radiance, texel, 0).rgb * push.radiance_unit;
             if (gather_emission) leaving += texelFetch(emission, texel, 0).rgb * push.emission_unit;
             // Opacity is per voxel of path; what is opaque is so however short the path.
-            float opacity = stored.a < 1.0 ? 1.0 - pow(1.0 - stored.a, leaves - entered) : 1.0;
-            gathered += transmittance * leaving * (opacity / stored.a);
-            transmittance *= 1.0 - opacity;
+            float leaves = leaves_voxel(walk);
+            float stopped = opacity < 1.0 ? 1.0 - pow(1.0 - opacity, leaves - entered) : 1.0;
+            gathered += transmittance * leaving * (stopped / opacity);
+            transmittance *= 1.0 - stopped;
+            entered = leaves;
+            step_walk(walk);
+            inside = inside_grid(walk.voxel, push.resolution);
         }
-        entered = leaves;
-        step_walk(walk);
     }
     if (gather_environment && transmittance >= min_transmittance) gathered += transmittance * push.environment;
     return gathered;
 }
 
-// Irradiance, W/m². The rays are a spiral of golden angles, one in each of as many rings of equal cosine-weighted solid
-// angle. Each pixel of a 4 x 4 block turns it and moves it within its rings by other steps, so that the block's rays are
-// spread as evenly as a pixel's.
-vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal, uvec2 pixel) {
-    const float golden = 0.618033989;
-    uint place = (pixel.y & 3u) << 2 | (pixel.x & 3u);
-    float ring = fract((float(place) + 0.5) * golden);
-    float turn = (float(place) + 0.5) / 16.0;
-
+// Where the rays of a surface start. In grid space.
+vec3 start_of(vec3 position, vec3 geometric_normal, vec3 to_eye) {
     // A voxel that the surface's plane meets reaches at most this far from it: no ray meets the surface that it leaves.
     vec3 reach = abs(geometric_normal);
     vec3 origin = position + geometric_normal * (reach.x + reach.y + reach.z);
+    // A surface nearby may have voxels there, too. What the eye sees is free toward the eye.
+    const int most_steps = 4;
+    Walk walk = start_walk(origin, to_eye, ivec3(floor(origin)));
+    float way = 0.0;
+    for (int i = 0; i < most_steps && inside_grid(walk.voxel, push.resolution) && opacity_of(walk.voxel) > 0.0; ++i) {
+        way = leaves_voxel(walk) + 1e-3;
+        step_walk(walk);
+    }
+    return origin + to_eye * way;
+}
 
+// This dispatch's part of the irradiance, W/m². The rays of a 4 x 4 block of pixels are together one spiral of golden
+// angles, one in each of as many rings of equal cosine-weighted solid angle; each pixel has every 16th of them.
+vec3 gather_irradiance(vec3 origin, vec3 geometric_normal, vec3 normal, uvec2 pixel) {
+    const uint golden = 0x9E3779B9u;  // of a turn
+    uint place = (pixel.y & 3u) << 2 | (pixel.x & 3u);
     mat3 frame = frame_about(normal);
     vec3 sum = vec3(0);
-    for (int i = 0; i < push.rays; ++i) {
-        float squared = (float(i) + ring) / float(push.rays);
-        float angle = 2.0 * pi * fract(float(i) * golden + turn);
+    for (int i = push.first_ray; i < push.end_ray; ++i) {
+        uint index = uint(i) * 16u + place;
+        float squared = (float(index) + 0.5) / float(push.rays * 16);
+        // In whole numbers, which do not lose their last places as the index grows.
+        float angle = 2.0 * pi * (float(index * golden >> 8u) / 16777216.0);
         float sine = sqrt(squared);
         vec3 direction = frame * vec3(sine * cos(angle), sine * sin(angle), sqrt(1.0 - squared));
         // Light from behind a triangle does not reach it, however its shading normal leans.
@@ -96,9 +124,12 @@ void main() {
     // Unlit surfaces have no normal.
     if (pixel_depth < 1.0 && geometric_normal != vec3(0)) {
         vec3 world = world_from_pixel(vec2(pixel) + 0.5, pixel_depth);
-        gathered = gather_irradiance(grid_from_world(VoxelGrid(push.grid_origin, push.voxels_per_metre), world),
-                                     unit(geometric_normal), unit(texelFetch(normal_roughness, pixel, 0).xyz),
-                                     uvec2(pixel));
+        vec3 normal = unit(texelFetch(normal_roughness, pixel, 0).xyz);
+        geometric_normal = unit(geometric_normal);
+        vec3 position = grid_from_world(VoxelGrid(push.grid_origin, push.voxels_per_metre), world);
+        gathered = gather_irradiance(start_of(position, geometric_normal, direction_to_eye(world)),
+                                     geometric_normal, normal, uvec2(pixel));
     }
+    if (push.first_ray > 0) gathered += imageLoad(irradiance, pixel).rgb;
     imageStore(irradiance, pixel, vec4(gathered, 1));
 }

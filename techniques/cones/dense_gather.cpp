@@ -9,6 +9,8 @@ using rhi::Dimension;
 
 constexpr uint32_t group_side = 8;                 // pixels
 constexpr uint64_t most_rays = uint64_t(1) << 21;  // a dispatch
+// Software drivers cut an invocation off after as many turns of its loops, 65 535, whatever the loops.
+constexpr uint32_t most_steps = 60'000;
 
 }  // namespace
 
@@ -43,30 +45,34 @@ Result<DenseGather> DenseGather::create(rhi::Device& device, uint32_t rays, cons
 rhi::View<Dimension::d2> DenseGather::record(rhi::Commands& commands, const gbuffer::View& gbuffer,
                                              const Source& source) {
     const voxels::View& volume = source.volume;
-    const uint64_t row_rays = uint64_t(size_.width) * rays_;
+    const uint32_t batch = std::min(rays_, std::max(most_steps / (3 * volume.grid.resolution), 1u));
+    const uint64_t row_rays = uint64_t(size_.width) * batch;
     const uint32_t rows = uint32_t(std::max<uint64_t>(most_rays / row_rays / group_side, 1)) * group_side;
     rhi::Pass pass = commands.pass("cones.rays");
-    for (uint32_t first = 0; first < size_.height; first += rows) {
-        pass.dispatch(pipeline_,
-                      {.depth = {gbuffer.depth, point_sampler_},
-                       .normal_roughness = {gbuffer.normal_roughness, point_sampler_},
-                       .geometric_normal_occlusion = {gbuffer.geometric_normal_occlusion, point_sampler_},
-                       .camera = gbuffer.camera,
-                       .radiance = {volume.radiance.base, point_sampler_},
-                       .emission = {volume.emission.base, point_sampler_},
-                       .nodes = volume.nodes,
-                       .irradiance = irradiance_.view<Dimension::d2>()},
-                      {.grid_origin = volume.grid.origin,
-                       .voxels_per_metre = 1 / volume.grid.voxel_size,
-                       .environment = source.environment,
-                       .radiance_unit = volume.radiance_unit,
-                       .emission_unit = volume.emission_unit,
-                       .resolution = int32_t(volume.grid.resolution),
-                       .rays = int32_t(rays_),
-                       .first_row = int32_t(first)},
-                      {rhi::groups_for(size_.width, group_side),
-                       rhi::groups_for(std::min(rows, size_.height - first), group_side)});
-    }
+    for (uint32_t ray = 0; ray < rays_; ray += batch)
+        for (uint32_t row = 0; row < size_.height; row += rows) {
+            pass.dispatch(pipeline_,
+                          {.depth = {gbuffer.depth, point_sampler_},
+                           .normal_roughness = {gbuffer.normal_roughness, point_sampler_},
+                           .geometric_normal_occlusion = {gbuffer.geometric_normal_occlusion, point_sampler_},
+                           .camera = gbuffer.camera,
+                           .radiance = {volume.radiance.base, point_sampler_},
+                           .emission = {volume.emission.base, point_sampler_},
+                           .nodes = volume.nodes,
+                           .irradiance = irradiance_.view<Dimension::d2>()},
+                          {.grid_origin = volume.grid.origin,
+                           .voxels_per_metre = 1 / volume.grid.voxel_size,
+                           .environment = source.environment,
+                           .radiance_unit = volume.radiance_unit,
+                           .emission_unit = volume.emission_unit,
+                           .resolution = int32_t(volume.grid.resolution),
+                           .rays = int32_t(rays_),
+                           .first_ray = int32_t(ray),
+                           .end_ray = int32_t(std::min(ray + batch, rays_)),
+                           .first_row = int32_t(row)},
+                          {rhi::groups_for(size_.width, group_side),
+                           rhi::groups_for(std::min(rows, size_.height - row), group_side)});
+        }
     return irradiance_.view<Dimension::d2>();
 }
 
