@@ -12,6 +12,7 @@ Result<int> check(const Options& options);
 Result<int> diff(const Options& options);
 Result<int> devices(const Options& options);
 Result<int> bench(const Options& options);
+Result<int> report(const Options& options);
 Result<int> probe(const Options& options);
 
 /// The build, and the devices with their drivers.

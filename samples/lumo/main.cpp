@@ -24,6 +24,8 @@ Result<int> run(const Options& options) {
             return devices(options);
         case Command::bench:
             return bench(options);
+        case Command::report:
+            return report(options);
         case Command::probe:
             return probe(options);
         case Command::version:

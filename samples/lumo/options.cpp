@@ -553,11 +553,29 @@ void add_probe(CLI::App& app, Options& options) {
         "the same with the columns value_0, value_1 ..., one for each wavelength, in W/m²/sr/nm, W/m²/nm "
         "or 1; by --reference also error_0 ..., the standard errors of what is sampled")
         ->required();
-    add_file(app, "--atmosphere", probe.atmosphere, "JSON; Earth, if not given");
+    add_file(app, "--atmosphere", options.atmosphere, "JSON; Earth, if not given");
     add(app, "--orders", "N|all", "all",
         "of scattering and reflection by the ground, 1 to 1000: of radiance, inscatter and sky_irradiance",
         into(probe.truth.last_order, parse_orders));
-    add_flag(app, "--reference", options.reference, "in double precision on the CPU")->required();
+    add(app, "--preset", "fast|default|precise", "default", "of tables and quadratures: error against time",
+        [&](const std::string& text) -> Result<void> {
+            return atmosphere::parse_preset(text).map(
+                [&](atmosphere::Preset preset) { probe.settings = atmosphere::settings_of(preset); });
+        });
+    add(app, "--api", "vulkan|gl|both", "",
+        "the first that works, if not given; both: into NAME.gl.EXT and NAME.vulkan.EXT",
+        one_of<ApiChoice>(
+            &options.api,
+            {{"vulkan", ApiChoice::vulkan}, {"gl", ApiChoice::gl}, {"both", ApiChoice::both}}));
+    add(app, "--device", "NAME", "", "a part of the device's name",
+        [&](const std::string& text) -> Result<void> {
+            options.device = text;
+            return {};
+        });
+    add_flag(app, "--validation", options.validation,
+             "the validation layers, or a debug context; what they find fails the run")
+        ->envname("LUMO_VALIDATION");
+    add_flag(app, "--reference", options.reference, "on the CPU in double precision instead of a GPU");
     add(app, "--samples", "N", fmt::to_string(probe.truth.samples), "of the reference: at most, a row",
         [&](const std::string& text) -> Result<void> {
             return parse_integer(text, 1, 1'000'000'000).map([&](uint32_t count) {
@@ -577,9 +595,11 @@ void add_probe(CLI::App& app, Options& options) {
         "the camera from the local vertical, azimuth 0 is toward the sun. A row's cells for what its "
         "quantity "
         "does\n"
-        "not depend on may be empty.\n\n"
+        "not depend on may be empty. Exit code 1 if, with --api both, the answers differ by more than they "
+        "may.\n\n"
         "Examples:\n"
-        "  lumo probe sky --in rows.csv --out answers.csv --reference\n"
+        "  lumo probe sky --in rows.csv --out answers.csv\n"
+        "  lumo probe sky --in rows.csv --out answers.csv --api both --preset precise\n"
         "  lumo probe sky --in rows.csv --out mars.csv --atmosphere mars.json --orders 4 --reference\n"
         "  lumo probe sky --in rows.csv --out exact.csv --reference --max-error 0.0005 --samples 20000000");
 }
@@ -600,6 +620,15 @@ Result<Options> with_settings(const Options& options, const std::vector<SettingV
         changed.given.insert(name);
     }
     return changed;
+}
+
+Json technique_settings(const Options& options) {
+    Options unused;
+    CLI::App app;
+    Json all = Json::object();
+    for (const auto& [name, option] : add_technique_settings(app, unused))
+        if (options.settings.contains(name)) all[name] = options.settings[name];
+    return all;
 }
 
 tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) {
@@ -663,6 +692,8 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
     if (app.get_subcommands().empty()) return tl::unexpected(Refusal{.text = app.help()});
 
     options.command = std::ranges::find(commands, chosen().get_name(), &NamedCommand::first)->second;
+    if (options.probe.truth.last_order != reference::all_orders)
+        options.probe.settings.orders = options.probe.truth.last_order;
     if (!config.empty()) {
         if (const Result<void> done = read_config(config, render_settings); !done)
             return refuse(to_string(done.error()));

@@ -46,10 +46,10 @@ struct Animation {
     std::optional<Sun> sun_to = {};
 };
 
-/// What `lumo probe` asks of which atmosphere.
+/// What `lumo probe` asks, and how it is answered.
 struct Probe {
     std::filesystem::path input = {};
-    std::filesystem::path atmosphere = {};  ///< Earth's if empty
+    atmosphere::Settings settings = {};
     SkyTruthSettings truth = {};
 };
 
@@ -101,6 +101,9 @@ using SettingValue = std::pair<std::string, std::string>;
 /// The same options with these settings, of those that say how a frame is made and not what it shows. Errors:
 /// invalid_argument, with what there is.
 Result<Options> with_settings(const Options& options, const std::vector<SettingValue>& values);
+
+/// Those settings, of Options::settings, that with_settings() can change.
+nlohmann::ordered_json technique_settings(const Options& options);
 
 /// A command line that asks for no work, or for something that there is not.
 struct Refusal {

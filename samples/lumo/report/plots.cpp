@@ -1,0 +1,264 @@
+#include "samples/lumo/report/plots.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <map>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "scene/printable.hpp"
+
+namespace lumo::program {
+namespace {
+
+constexpr std::array colors{"#1f6fb4", "#d9622b", "#2a9d5c", "#8e5bb5", "#c43c5e", "#8a7a3c",
+                            "#3fa7a3", "#5b5f97", "#b3882e", "#6c757d", "#a2577e", "#4d7c0f"};
+constexpr size_t most_bars = 40, most_parts = 11;
+
+const char* color(size_t i) { return colors[i % colors.size()]; }
+
+/// A string as gnuplot reads it in single quotes.
+std::string gnuplot_string(std::string_view text) {
+    std::string result = "'";
+    for (const char c : scene::printable(text, 100))
+        result += c == '\'' ? std::string("''") : std::string(1, c);
+    return result + "'";
+}
+
+std::string file_of(std::string_view what, const DeviceFindings& device) {
+    return fmt::format("{}.{}.svg", what, to_string(device.info.api));
+}
+
+std::string begin_plot(const std::string& file, int width, int height) {
+    std::string name = file.substr(0, file.rfind('.'));
+    std::ranges::replace_if(
+        name, [](char c) { return c == '.' || c == '-'; }, '_');
+    return fmt::format(
+        "\nreset\nset terminal svg noenhanced size {},{} font 'sans-serif,12' name '{}' "
+        "background '#ffffff'\nset output '{}'\nset grid lc rgb '#dddddd'\nset border lc rgb '#555555'\n",
+        width, height, name, file);
+}
+
+/// Error against time of one device: a colour for each value of the setting that is varied first.
+std::string error_time(const Findings& findings, const DeviceFindings& device) {
+    struct Point {
+        double ms, percent;
+        const Configuration* configuration;
+        bool on_front;
+    };
+    std::vector<Point> points;
+    std::vector<std::string> values;  // of the setting that is varied first
+    const auto value_of = [](const Point& point) {
+        return point.configuration->varied.empty()
+                   ? std::string("default")
+                   : fmt::format("{} {}", point.configuration->varied.front().first,
+                                 point.configuration->varied.front().second);
+    };
+    for (const Row& row : device.rows) {
+        const LayerError* error = error_of(row.measured.errors, findings.layer);
+        if (!error || !std::isfinite(error->relative_rmse)) continue;
+        points.push_back({row.measured.gpu_ms, 100 * error->relative_rmse,
+                          &findings.configurations[row.configuration], row.on_front});
+        if (std::ranges::find(values, value_of(points.back())) == values.end())
+            values.push_back(value_of(points.back()));
+    }
+    std::string text = begin_plot(file_of("error-time", device), 860, 480);
+    if (points.empty()) return text;
+    std::ranges::sort(points, {}, &Point::ms);
+    for (size_t i = 0; i < values.size(); ++i) {
+        text += fmt::format("$points{} << EOD\n", i);
+        for (const Point& point : points)
+            if (value_of(point) == values[i]) text += fmt::format("{:.6g} {:.6g}\n", point.ms, point.percent);
+        text += "EOD\n";
+    }
+    text += "$front << EOD\n";
+    for (const Point& point : points)
+        if (point.on_front)
+            text +=
+                fmt::format("{:.6g} {:.6g} \"{}\"\n", point.ms, point.percent, point.configuration->label);
+    text += "EOD\n$default << EOD\n";
+    for (const Point& point : points)
+        if (point.configuration->standard) text += fmt::format("{:.6g} {:.6g}\n", point.ms, point.percent);
+    text += "EOD\n";
+
+    const double highest = std::ranges::max(points, {}, &Point::percent).percent;
+    text += fmt::format(
+        "set xlabel 'GPU time of a frame, ms ({})'\nset ylabel 'relative RMSE of {}, %'\n"
+        "set yrange [0:{:.6g}]\nset key outside right top\nset offsets graph 0.05, graph 0.12, 0, 0\n",
+        to_string(device.info.api), frame::to_string(findings.layer), 1.1 * highest + 1e-6);
+    if (points.back().ms > 8 * points.front().ms) text += "set logscale x\n";
+    text += "plot ";
+    for (size_t i = 0; i < values.size(); ++i)
+        text += fmt::format("$points{} using 1:2 with points pt 7 ps 0.7 lc rgb '{}' title {}, \\\n     ", i,
+                            color(i), gnuplot_string(values[i]));
+    text +=
+        "$front using 1:2 with steps lw 1.5 lc rgb '#333333' title 'Pareto front', \\\n     "
+        "$front using 1:2:3 with labels left offset character 0.4, character 0.6 font ',10' notitle, \\\n    "
+        " "
+        "$default using 1:2 with points pt 6 ps 1.6 lw 2 lc rgb '#000000' title 'default'\n";
+    return text;
+}
+
+/// Bars from the top, each of stacked parts.
+struct Bar {
+    std::string label;
+    std::map<std::string, double> parts;
+
+    double sum() const {
+        double all = 0;
+        for (const auto& [name, value] : parts) all += value;
+        return all;
+    }
+};
+
+std::string stacked(const std::string& file, std::vector<Bar> bars, const std::string& unit) {
+    std::map<std::string, double> largest;
+    for (const Bar& bar : bars)
+        for (const auto& [name, value] : bar.parts) largest[name] = std::max(largest[name], value);
+    std::vector<std::string> names;
+    for (const auto& [name, value] : largest)
+        if (value > 0) names.push_back(name);
+    std::ranges::stable_sort(names, std::greater<>(), [&](const std::string& name) { return largest[name]; });
+    const bool others = names.size() > most_parts + 1;
+    if (others) names.resize(most_parts);
+
+    std::string text = begin_plot(file, 860, 90 + 18 * int(std::max<size_t>(bars.size(), 8)));
+    if (names.empty()) return text;
+    std::vector<std::string> blocks(names.size() + (others ? 1 : 0));
+    text += "set ytics (";
+    for (size_t i = 0; i < bars.size(); ++i) {
+        double end = 0;
+        const auto add = [&](std::string& block, double value) {
+            block += fmt::format("{:.6g} {:.6g} {}\n", end, end + value, i);
+            end += value;
+        };
+        for (size_t part = 0; part < names.size(); ++part) add(blocks[part], bars[i].parts[names[part]]);
+        if (others) add(blocks.back(), bars[i].sum() - end);
+        text += fmt::format("{}{} {}", i ? ", " : "", gnuplot_string(bars[i].label), i);
+    }
+    text += fmt::format(
+        ")\nset yrange [{}:-1]\nset xrange [0:*]\nset xlabel '{}'\nset key outside right top\n"
+        "set style fill solid 0.9 noborder\nunset grid\nset grid xtics lc rgb '#dddddd'\n",
+        bars.size(), unit);
+    if (others) names.emplace_back("others");
+    for (size_t part = 0; part < blocks.size(); ++part)
+        text += fmt::format("$part{} << EOD\n{}EOD\n", part, blocks[part]);
+    text += "plot ";
+    for (size_t part = 0; part < blocks.size(); ++part)
+        text += fmt::format(
+            "{}$part{} using (($1+$2)/2):3:1:2:($3-0.38):($3+0.38) with boxxyerror lc rgb '{}' title {}",
+            part ? ", \\\n     " : "", part, color(part), gnuplot_string(names[part]));
+    return text + "\n";
+}
+
+/// The configurations that fit into a plot, by time: all, or the front and the default.
+std::vector<const Row*> shown_rows(const Findings& findings, const DeviceFindings& device) {
+    std::vector<const Row*> rows;
+    for (const Row& row : device.rows) {
+        const bool chosen = row.on_front || findings.configurations[row.configuration].standard;
+        if (row.measured.does_not_fit.empty() && (device.rows.size() <= most_bars || chosen))
+            rows.push_back(&row);
+    }
+    std::ranges::sort(rows, {}, [](const Row* row) { return row->measured.gpu_ms; });
+    if (rows.size() > most_bars) rows.resize(most_bars);
+    return rows;
+}
+
+std::string label_of(const Findings& findings, const Row& row) {
+    const Configuration& configuration = findings.configurations[row.configuration];
+    return configuration.standard ? configuration.label + " (default)" : configuration.label;
+}
+
+std::string passes(const Findings& findings, const DeviceFindings& device) {
+    std::vector<Bar> bars;
+    for (const Row* row : shown_rows(findings, device)) {
+        Bar& bar = bars.emplace_back(Bar{label_of(findings, *row), {}});
+        for (const PassCost& pass : row->measured.passes) bar.parts[pass.name] += pass.gpu_ms;
+    }
+    return stacked(file_of("passes", device), std::move(bars),
+                   fmt::format("GPU time by pass, ms ({})", to_string(device.info.api)));
+}
+
+/// What differs in nothing but settings that take no memory is one bar, of what these have in common.
+std::string memory(const Findings& findings, const DeviceFindings& device) {
+    constexpr double mib = 1 << 20;
+    struct Group {
+        std::map<std::string, double> parts;
+        std::vector<SettingValue> common;
+    };
+    std::vector<Group> groups;
+    for (const Row* row : shown_rows(findings, device)) {
+        std::map<std::string, double> parts;
+        for (const rhi::MemoryEntry& entry : row->measured.memory)
+            parts[scene::printable(entry.name, 40)] += double(entry.bytes) / mib;
+        const auto& varied = findings.configurations[row->configuration].varied;
+        const auto found = std::ranges::find(groups, parts, &Group::parts);
+        if (found == groups.end())
+            groups.push_back({std::move(parts), varied});
+        else
+            std::erase_if(found->common, [&](const SettingValue& value) {
+                return std::ranges::find(varied, value) == varied.end();
+            });
+    }
+    std::vector<Bar> bars;
+    for (Group& group : groups) {
+        std::string label;
+        for (const auto& [name, value] : group.common)
+            label += fmt::format("{}{} {}", label.empty() ? "" : ", ", name, value);
+        bars.push_back({label.empty() ? "all" : label, std::move(group.parts)});
+    }
+    std::ranges::sort(bars, {}, &Bar::sum);
+    return stacked(file_of("memory", device), std::move(bars),
+                   fmt::format("device memory by resource, MiB ({})", to_string(device.info.api)));
+}
+
+}  // namespace
+
+std::vector<Plot> plots_of(const Findings& findings) {
+    std::vector<Plot> plots;
+    for (const DeviceFindings& device : findings.devices) {
+        plots.push_back({file_of("error-time", device), "error against time"});
+        plots.push_back({file_of("passes", device), "time by pass"});
+        plots.push_back({file_of("memory", device), "memory"});
+    }
+    return plots;
+}
+
+std::string gnuplot_script(const Findings& findings) {
+    std::string text = "# gnuplot THIS_FILE draws the plots of the report again.\n";
+    for (const DeviceFindings& device : findings.devices)
+        text += error_time(findings, device) + passes(findings, device) + memory(findings, device);
+    return text;
+}
+
+Result<void> run_gnuplot(const std::filesystem::path& folder, const std::string& script) {
+    const auto missing = [] {
+        return fail(ErrorKind::unsupported, "gnuplot", "is not there, and the plots are left out",
+                    "install the package gnuplot-nox and run the report again: nothing is measured twice");
+    };
+    std::string program = "gnuplot", argument = script;
+    std::array<char*, 3> arguments{program.data(), argument.data(), nullptr};
+    posix_spawn_file_actions_t actions{};
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+    pid_t child = 0;
+    const int error = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (error == ENOENT) return missing();
+    if (error != 0)
+        return fail(ErrorKind::io, "gnuplot", fmt::format("cannot be started: {}", std::strerror(error)));
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        return fail(ErrorKind::io, "gnuplot", "fails with " + scene::printable((folder / script).string()),
+                    "its message is above");
+    return {};
+}
+
+}  // namespace lumo::program
