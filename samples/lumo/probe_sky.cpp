@@ -10,26 +10,26 @@
 namespace lumo::program {
 namespace {
 
-using reference::SkyView;
+using atmosphere::Question;
 
 /// A column of numbers.
 struct Input {
     std::string_view column;
     double lowest, highest;
-    double SkyView::*place;
+    double Question::*place;
     /// Those that do not depend on it.
     std::array<bool, sky_quantities.size()> unread;
 };
 
 constexpr double farthest_km = 1e7;
 
-// In the order of SkyQuantity.
+// Columns by sky_quantities.
 constexpr std::array<Input, 5> inputs{
-    {{"camera_alt_km", 0, 1e6, &SkyView::altitude_km, {}},
-     {"view_zenith_deg", 0, 180, &SkyView::view_zenith_deg, {false, false, false, false, false, true, true}},
-     {"sun_zenith_deg", 0, 180, &SkyView::sun_zenith_deg, {true, true}},
-     {"rel_azimuth_deg", -360, 360, &SkyView::azimuth_deg, {true, true, false, false, false, true, true}},
-     {"distance_km", 0, farthest_km, &SkyView::distance_km, {true, false, true, true, false, true, true}}}};
+    {{"camera_alt_km", 0, 1e6, &Question::altitude_km, {}},
+     {"view_zenith_deg", 0, 180, &Question::view_zenith_deg, {false, false, false, false, false, true, true}},
+     {"sun_zenith_deg", 0, 180, &Question::sun_zenith_deg, {true, true}},
+     {"rel_azimuth_deg", -360, 360, &Question::azimuth_deg, {true, true, false, false, false, true, true}},
+     {"distance_km", 0, farthest_km, &Question::distance_km, {true, false, true, true, false, true, true}}}};
 
 std::string place_of(std::string_view file, const Table::Row& row, std::string_view column) {
     return fmt::format("{}, line {}, column {}", file, row.line, column);
@@ -37,7 +37,7 @@ std::string place_of(std::string_view file, const Table::Row& row, std::string_v
 
 }  // namespace
 
-Result<std::vector<SkyQuery>> read_sky_queries(const Table& table, std::string_view file) {
+Result<std::vector<Question>> read_sky_questions(const Table& table, std::string_view file) {
     const auto missing = [&](std::string_view column) {
         return fail(ErrorKind::invalid_file, std::string(file), fmt::format("has no column {}", column),
                     "add it; the columns have their names in the first line");
@@ -45,7 +45,7 @@ Result<std::vector<SkyQuery>> read_sky_queries(const Table& table, std::string_v
     const auto quantity_column = table.column("quantity");
     if (!quantity_column) return missing("quantity");
 
-    std::vector<SkyQuery> queries;
+    std::vector<Question> questions;
     for (const Table::Row& row : table.rows) {
         const std::string& name = row.cells[*quantity_column];
         const auto* const found = std::ranges::find(sky_quantities, name);
@@ -54,7 +54,7 @@ Result<std::vector<SkyQuery>> read_sky_queries(const Table& table, std::string_v
                         fmt::format("'{}' is no quantity", scene::printable(name)),
                         fmt::format("available: {}", fmt::join(sky_quantities, ", ")));
         const auto index = size_t(found - sky_quantities.begin());
-        SkyQuery query{.quantity = SkyQuantity(index)};
+        Question question{.quantity = atmosphere::Quantity(index)};
         for (const Input& input : inputs) {
             if (input.unread[index]) continue;
             const auto column = table.column(input.column);
@@ -65,11 +65,11 @@ Result<std::vector<SkyQuery>> read_sky_queries(const Table& table, std::string_v
                 return fail(ErrorKind::invalid_file, place_of(file, row, input.column),
                             fmt::format("is '{}'", scene::printable(cell)),
                             fmt::format("give a number from {:g} to {:g}", input.lowest, input.highest));
-            query.view.*input.place = *number;
+            question.*input.place = *number;
         }
-        queries.push_back(query);
+        questions.push_back(question);
     }
-    return queries;
+    return questions;
 }
 
 Result<void> add_sky_answers(Table& table, std::span<const SkyAnswer> answers, std::string_view file) {

@@ -10,6 +10,8 @@
 namespace lumo::program {
 namespace {
 
+using atmosphere::Quantity;
+using atmosphere::Question;
 using reference::AtmosphereOptics;
 using reference::Estimate;
 using reference::PathSettings;
@@ -17,13 +19,12 @@ using reference::RayPoint;
 using reference::SkyView;
 using scene::Spectrum;
 
-/// Of the query alone, so that a row's answer is the same in any table, and its error that row's own.
-uint64_t seed_of(const SkyQuery& query) {
-    const SkyView& v = query.view;
+/// Of the question alone, so that a row's answer is the same in any table, and its error that row's own.
+uint64_t seed_of(const Question& question) {
     rhi::KeyBuilder key;
-    key.add(uint64_t(query.quantity));
-    for (const double number :
-         {v.altitude_km, v.view_zenith_deg, v.sun_zenith_deg, v.azimuth_deg, v.distance_km})
+    key.add(uint64_t(question.quantity));
+    for (const double number : {question.altitude_km, question.view_zenith_deg, question.sun_zenith_deg,
+                                question.azimuth_deg, question.distance_km})
         key.add(std::bit_cast<uint64_t>(number));
     return key.key().high;
 }
@@ -55,27 +56,32 @@ SkyAnswer sample_until(const SkyTruthSettings& settings, uint64_t seed, Spectrum
     return answer;
 }
 
-SkyAnswer truth_of(const AtmosphereOptics& optics, const SkyQuery& query, const SkyTruthSettings& settings) {
-    const SkyView& view = query.view;
+SkyAnswer truth_of(const AtmosphereOptics& optics, const Question& question,
+                   const SkyTruthSettings& settings) {
+    SkyView view{.altitude_km = question.altitude_km,
+                 .view_zenith_deg = question.view_zenith_deg,
+                 .sun_zenith_deg = question.sun_zenith_deg,
+                 .azimuth_deg = question.azimuth_deg};
+    if (question.quantity == Quantity::inscatter) view.distance_km = question.distance_km;
     const RayPoint from{.h = view.altitude_km, .mu = reference::cos_degrees(view.view_zenith_deg)};
-    switch (query.quantity) {
-        case SkyQuantity::transmittance_to_space:
+    switch (question.quantity) {
+        case Quantity::transmittance_to_space:
             return {.value = optics.transmittance_to_space(from)};
-        case SkyQuantity::transmittance_segment:
-            return {.value = optics.transmittance_segment(from, view.distance_km)};
-        case SkyQuantity::sun_irradiance:
+        case Quantity::transmittance_segment:
+            return {.value = optics.transmittance_segment(from, question.distance_km)};
+        case Quantity::sun_irradiance:
             return {.value = optics.sun_irradiance(from.h, reference::cos_degrees(view.sun_zenith_deg))};
-        case SkyQuantity::sky_irradiance:
+        case Quantity::sky_irradiance:
             return sample_until(
-                settings, seed_of(query), Spectrum(optics.wavelengths(), 0), 1,
+                settings, seed_of(question), Spectrum(optics.wavelengths(), 0), 1,
                 [&](const PathSettings& paths) { return reference::sky_irradiance(optics, view, paths); });
-        case SkyQuantity::radiance_order1:
+        case Quantity::radiance_order1:
             break;
-        case SkyQuantity::radiance:
-        case SkyQuantity::inscatter:
+        case Quantity::radiance:
+        case Quantity::inscatter:
             if (settings.last_order == 1) break;
             return sample_until(
-                settings, seed_of(query), reference::radiance_order1(optics, view), 2,
+                settings, seed_of(question), reference::radiance_order1(optics, view), 2,
                 [&](const PathSettings& paths) { return reference::radiance(optics, view, paths); });
     }
     return {.value = reference::radiance_order1(optics, view)};
@@ -83,14 +89,14 @@ SkyAnswer truth_of(const AtmosphereOptics& optics, const SkyQuery& query, const 
 
 }  // namespace
 
-std::vector<SkyAnswer> sky_truth(const AtmosphereOptics& optics, std::span<const SkyQuery> queries,
+std::vector<SkyAnswer> sky_truth(const AtmosphereOptics& optics, std::span<const Question> questions,
                                  const SkyTruthSettings& settings,
                                  const std::function<void(size_t)>& answered) {
-    std::vector<SkyAnswer> answers(queries.size());
+    std::vector<SkyAnswer> answers(questions.size());
     std::atomic<size_t> next = 0, done = 0;
     const auto work = [&](bool tells) {
-        for (size_t i = next++; i < queries.size(); i = next++) {
-            answers[i] = truth_of(optics, queries[i], settings);
+        for (size_t i = next++; i < questions.size(); i = next++) {
+            answers[i] = truth_of(optics, questions[i], settings);
             ++done;
             if (tells) answered(done);
         }

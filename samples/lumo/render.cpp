@@ -9,12 +9,12 @@
 #include <spdlog/spdlog.h>
 #include <vector>
 
-#include "backends/backends.hpp"
 #include "backends/capture.hpp"
 #include "reference/metrics_report.hpp"
 #include "samples/lumo/commands.hpp"
 #include "samples/lumo/input.hpp"
 #include "samples/lumo/names.hpp"
+#include "samples/lumo/open_devices.hpp"
 #include "samples/lumo/pictures.hpp"
 #include "samples/lumo/progress.hpp"
 #include "samples/lumo/stats.hpp"
@@ -57,52 +57,6 @@ Result<Product> product_of(const Options& options) {
         if (layer == frame::Layer::final) layer = frame::Layer::radiance;
     }
     return product;
-}
-
-rhi::DeviceDesc device_desc(const Options& options, int& failures) {
-    return {
-        .name = options.device, .validation = options.validation, .sink = [&](const rhi::Message& message) {
-            if (!is_failure(message)) return;
-            ++failures;
-            spdlog::error("{}: {}", scene::printable(message.id), scene::printable(message.text, 4000));
-        }};
-}
-
-Result<rhi::Device> make_device(rhi::Api api, const rhi::DeviceDesc& desc) {
-    auto device = backends::create_device(api, desc);
-    if (device) {
-        spdlog::info("{} on {}, {}", to_string(api), scene::printable(device->info().name),
-                     scene::printable(device->info().driver));
-    }
-    return device;
-}
-
-/// A device of the first API that has one.
-Result<rhi::Device> make_first_device(const rhi::DeviceDesc& desc) {
-    auto vulkan = make_device(rhi::Api::vulkan, desc);
-    if (vulkan) return vulkan;
-    auto gl = make_device(rhi::Api::gl, desc);
-    if (!gl) return fail(gl.error().kind, "--api", to_string(vulkan.error()) + "; " + to_string(gl.error()));
-    spdlog::warn("not vulkan: {}", to_string(vulkan.error()));
-    return gl;
-}
-
-/// The devices that the options ask for; OpenGL's before Vulkan's.
-Result<std::vector<rhi::Device>> make_devices(const Options& options, int& failures) {
-    const rhi::DeviceDesc desc = device_desc(options, failures);
-    std::vector<Result<rhi::Device>> made;
-    if (options.api == ApiChoice::first) made.push_back(make_first_device(desc));
-    if (options.api == ApiChoice::gl || options.api == ApiChoice::both)
-        made.push_back(make_device(rhi::Api::gl, desc));
-    if (options.api == ApiChoice::vulkan || options.api == ApiChoice::both)
-        made.push_back(make_device(rhi::Api::vulkan, desc));
-
-    std::vector<rhi::Device> devices;
-    for (Result<rhi::Device>& device : made) {
-        if (!device) return tl::unexpected(device.error());
-        devices.push_back(std::move(*device));
-    }
-    return devices;
 }
 
 scene::Camera orbited(const scene::Camera& camera, float degrees) {
@@ -232,7 +186,7 @@ Result<bool> render_on_devices(const Options& options, const Product& product, s
     int failures = 0;
     Result<bool> agreed = false;
     {
-        auto devices = make_devices(options, failures);
+        auto devices = open_devices(options, failures);
         if (!devices) return tl::unexpected(devices.error());
         Renderer renderer(options, product, *devices, progress);
         agreed = render_all(options, scene, camera,

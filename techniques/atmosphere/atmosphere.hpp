@@ -14,9 +14,10 @@
 #include "rhi/rhi.hpp"
 #include "scene/atmosphere.hpp"
 #include "shaders/atmosphere/columns.hpp"
-#include "shaders/atmosphere/moments.hpp"
+#include "shaders/atmosphere/gather.hpp"
 #include "shaders/atmosphere/probe.hpp"
 #include "shaders/atmosphere/rays.hpp"
+#include "shaders/atmosphere/rings.hpp"
 #include "shaders/atmosphere/tail.hpp"
 
 namespace lumo::atmosphere {
@@ -32,9 +33,10 @@ struct Settings {
     uint32_t columns = 128;    ///< side of the table of columns, 16 to 1024
     uint32_t altitudes = 32;   ///< of the tables of scattered light, 2 to 512
     uint32_t suns = 64;        ///< sun zenith angles, 2 to 1024
-    uint32_t degree = 4;       ///< of the moments of light, 2 to 15
-    uint32_t zeniths = 24;     ///< in which light is gathered, 6 to 128; a quarter above is level or falls
-    uint32_t azimuths = 8;     ///< over half a turn, 2 to 128; more than the degree
+    uint32_t directions = 24;  ///< zenith angles into which aerosols send light on, 4 to 128
+    uint32_t degree = 4;    ///< of azimuths of that light, 2 to 15; (degree + 1) * directions is at most 251
+    uint32_t zeniths = 24;  ///< from which light is gathered, 6 to 128
+    uint32_t azimuths = 8;  ///< likewise over half a turn, 3 to 128; more than the degree
     uint32_t table_nodes = 8;  ///< of a ray's quadrature while tables are made, 4 to 16
     uint32_t nodes = 16;       ///< and when the sky is looked at, 4 to 16
 };
@@ -49,7 +51,7 @@ Result<Preset> parse_preset(std::string_view name);
 struct Sky {
     rhi::UniformBuffer block;
     rhi::Sampled<rhi::Dimension::d2> columns;
-    rhi::Sampled<rhi::Dimension::d2_array> moments;
+    rhi::Sampled<rhi::Dimension::d2_array> light;
     rhi::Sampled<rhi::Dimension::d2> peaks;
 };
 
@@ -73,24 +75,34 @@ class Tables {
     /// Of the device's memory that is held.
     uint64_t bytes() const;
 
+    /// All that the steps read and run, so that equal bytes on equal devices make equal contents.
+    Result<std::vector<std::byte>> recipe(rhi::Device& device) const;
+    /// All that the steps have made. Both wait for the device.
+    Result<std::vector<std::byte>> contents(rhi::Device& device) const;
+    /// In place of the steps. Error: invalid_argument where the contents are of another size.
+    Result<void> restore(rhi::Device& device, std::span<const std::byte> contents);
+
   private:
     struct Columns {};
+    /// What lights the rays.
+    enum class Source : uint8_t { sun_by_molecules, sun_by_aerosols, order_before };
     struct Rows {
         uint32_t order;
+        Source source;
         uint32_t first, count;
     };
     struct Tail {};
     using Step = std::variant<Columns, Rows, Tail>;
     using Block = shaders::atmosphere::probe::Atmosphere;
 
-    Result<void> create_textures(rhi::Device& device, const scene::Atmosphere& atmosphere);
+    Result<void> create_resources(rhi::Device& device, const scene::Atmosphere& atmosphere);
     Result<void> create_pipelines(rhi::Device& device);
     uint32_t layers() const;
-    const rhi::Texture& moments_of(uint32_t order) const { return moments_[order % 2]; }
+    const rhi::Texture& light_of(uint32_t order) const { return orders_[order % 2]; }
     void record_columns(rhi::Commands& commands) const;
     void record_rows(rhi::Commands& commands, const Rows& rows) const;
     void record_tail(rhi::Commands& commands) const;
-    Sky sky_of(rhi::Commands& commands, const Block& block, const rhi::Texture& moments) const;
+    Sky sky_of(rhi::Commands& commands, const Block& block, const rhi::Texture& light) const;
 
     Settings settings_;
     Block block_ = {};        ///< for views
@@ -98,13 +110,15 @@ class Tables {
     std::vector<Step> steps_;
     uint32_t rows_per_step_ = 1;
     rhi::Texture columns_, peaks_;
-    std::array<rhi::Texture, 2> moments_;  ///< of the last two orders, in turn
+    std::array<rhi::Texture, 2> orders_;  ///< of the last two orders, in turn
     rhi::Texture sum_;
-    rhi::Buffer zeniths_, rays_;
+    rhi::Buffer zeniths_, rays_, rings_;
+    std::array<rhi::Buffer, 2> weights_;  ///< of a gather: all of the phase function, its lower degrees
     rhi::Sampler sampler_;
     rhi::ComputePipeline<shaders::atmosphere::columns> columns_pipeline_;
     rhi::ComputePipeline<shaders::atmosphere::rays> rays_pipeline_;
-    rhi::ComputePipeline<shaders::atmosphere::moments> moments_pipeline_;
+    rhi::ComputePipeline<shaders::atmosphere::rings> rings_pipeline_;
+    rhi::ComputePipeline<shaders::atmosphere::gather> gather_pipeline_;
     rhi::ComputePipeline<shaders::atmosphere::tail> tail_pipeline_;
 };
 
