@@ -1,15 +1,18 @@
 // Irradiance by cones through the voxels (Crassin et al. 2011, Interactive Indirect Illumination Using Voxel Cone
-// Tracing). Include once per program; takes bindings gather_binding to gather_binding + 5
-// and that of voxels/sample.glsl.
+// Tracing). Include once per program; takes bindings gather_binding to gather_binding + 5,
+// 29, and that of voxels/sample.glsl.
 #include "common/constants.glsl"
 #include "common/frame.glsl"
 #include "common/voxel_grid.glsl"
+#define SKY_MAP 29
 #include "cones/emitter_block.glsl"
+#include "sky/map.glsl"
 #include "voxels/sample.glsl"
 
 layout(constant_id = 20) const bool gather_reflected = true;     // the radiance volume's light, not its opacity alone
 layout(constant_id = 21) const bool gather_emission = false;     // the emission volume's light
-layout(constant_id = 22) const bool gather_environment = false;  // a constant radiance outside the grid
+layout(constant_id = 22) const bool gather_environment = false;  // light from outside the grid
+layout(constant_id = 29) const bool gather_sky = false;          // … that is a sky's, in place of a constant radiance
 layout(constant_id = 28) const bool gather_occlusion = false;    // how near opacity is, in place of its light
 
 const int max_cones = 32;
@@ -42,6 +45,11 @@ const float least_step = 1.0;  // voxels
 
 // A cone ends when less than this part of the light behind gets through.
 const float min_transmittance = 0.01;
+
+// Radiance from outside the grid.
+vec3 environment_in_cone(vec3 direction, float tan_half_aperture) {
+    return gather_sky ? sky_in_cone(direction, tan_half_aperture) : gather.environment;
+}
 
 // Radiance from a cone, with this part of what emits. Origin in grid space, `start` in voxels.
 vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start, float emitted_part) {
@@ -76,7 +84,8 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
         distance += stride;
         position = origin + direction * distance;
     }
-    if (gather_environment && transmittance >= min_transmittance) radiance += transmittance * gather.environment;
+    if (gather_environment && transmittance >= min_transmittance)
+        radiance += transmittance * environment_in_cone(direction, tan_half_aperture);
     return radiance;
 }
 

@@ -1,5 +1,6 @@
 // Radiance toward the eye at every pixel of the G-buffer: reflected light of the analytic lights, indirect light
-// reflected by the diffuse lobe and by the specular one, emission, and the environment where nothing is.
+// reflected by the diffuse lobe and by the specular one, emission, and the environment where nothing is; through the air
+// of a sky.
 #define CAMERA 7
 #define SHADOW_MAPS 6
 #define LIGHTS 8
@@ -12,6 +13,7 @@ layout(constant_id = 1) const bool indirect_light = false;
 layout(constant_id = 2) const bool emission = false;
 layout(constant_id = 3) const bool diffuse_materials = false;
 layout(constant_id = 4) const bool specular_light = false;
+layout(constant_id = 5) const bool sky = false;
 
 layout(push_constant) uniform Push {
     vec3 environment;  // radiance from outside the scene, W/m²/sr
@@ -29,6 +31,8 @@ layout(binding = 10, rgba32f) writeonly uniform image2D out_direct;
 layout(binding = 11, rgba32f) writeonly uniform image2D out_indirect;
 #endif
 layout(binding = 12) uniform sampler2D specular_target;
+layout(binding = 13) uniform sampler2D sky_radiance;       // as lumo::sky::Pixels
+layout(binding = 14) uniform sampler2D sky_transmittance;
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -59,7 +63,12 @@ void main() {
             if (specular_light) specular = texelFetch(specular_target, pixel, 0).rgb;
         }
     }
-    imageStore(out_radiance, pixel, vec4(direct + indirect + specular + unreflected, 1));
+    vec3 radiance = direct + indirect + specular + unreflected;
+    if (sky) {
+        vec3 through = clamp(texelFetch(sky_transmittance, pixel, 0).rgb, 0.0, 1.0);
+        radiance = through * radiance + max(texelFetch(sky_radiance, pixel, 0).rgb, 0.0);
+    }
+    imageStore(out_radiance, pixel, vec4(radiance, 1));
 #ifdef LAYERS
     imageStore(out_direct, pixel, vec4(direct, 1));
     imageStore(out_indirect, pixel, vec4(indirect, 1));

@@ -30,6 +30,7 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
                  .gather_environment = needs.environment,
                  .anisotropic = volume.settings().mips == voxels::MipKind::anisotropic,
                  .octree_levels = volume.octree_levels(),
+                 .gather_sky = needs.sky,
                  .several_lights = needs.several_lights})
             .map([&](auto created) { pipeline = std::move(created); });
     };
@@ -65,6 +66,7 @@ voxels::View Bounce::record(rhi::Commands& commands, const voxels::Volume& volum
                        .voxel_emission_directions = gather.emission_directions,
                        .gather = gather.block,
                        .emitters = gather.emitters,
+                       .sky_map = gather.sky,
                        .voxels = volume.voxel_list(),
                        .voxel_nodes = gather.nodes},
                       {.flux = volume.injected().flux,

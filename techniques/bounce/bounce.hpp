@@ -22,6 +22,7 @@ struct Settings {
 struct Needs {
     bool emission = false;
     bool environment = false;
+    bool sky = false;             ///< the environment is a sky
     bool several_lights = false;  ///< as voxels::Needs
 
     constexpr bool any_light() const { return emission || environment; }

@@ -33,7 +33,8 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
                  .gather_environment = needs.environment,
                  .anisotropic = needs.anisotropic,
                  .octree_levels = needs.octree_levels,
-                 .gather_occlusion = needs.occlusion});
+                 .gather_occlusion = needs.occlusion,
+                 .gather_sky = needs.sky});
         })
         .map([&](rhi::ComputePipeline<shaders::cones::irradiance> pipeline) {
             made.pipeline_ = std::move(pipeline);
@@ -57,6 +58,7 @@ rhi::View<Dimension::d2> Irradiance::record(rhi::Commands& commands, const gbuff
                    .gather = gather.block,
                    .emitters = gather.emitters,
                    .irradiance = irradiance_.view<Dimension::d2>(),
+                   .sky_map = gather.sky,
                    .voxel_nodes = gather.nodes},
                   {}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
     return irradiance_.view<Dimension::d2>();

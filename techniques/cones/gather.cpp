@@ -31,13 +31,15 @@ GatherBlock gather_block(const Distribution& distribution, const Source& source)
 Gather make_gather(rhi::Commands& commands, const Distribution& distribution, const Source& source,
                    rhi::SamplerHandle volume_sampler) {
     const voxels::View& volume = source.volume;
-    return {.radiance = {volume.radiance.base, volume_sampler},
-            .radiance_directions = {volume.radiance.directions, volume_sampler},
-            .emission = {volume.emission.base, volume_sampler},
-            .emission_directions = {volume.emission.directions, volume_sampler},
-            .block = commands.uniform(gather_block(distribution, source)),
-            .emitters = source.emitters ? *source.emitters : commands.uniform(EmitterBlock{}),
-            .nodes = volume.nodes};
+    return {
+        .radiance = {volume.radiance.base, volume_sampler},
+        .radiance_directions = {volume.radiance.directions, volume_sampler},
+        .emission = {volume.emission.base, volume_sampler},
+        .emission_directions = {volume.emission.directions, volume_sampler},
+        .block = commands.uniform(gather_block(distribution, source)),
+        .emitters = source.emitters ? *source.emitters : commands.uniform(EmitterBlock{}),
+        .sky = source.sky.value_or(rhi::Sampled<rhi::Dimension::d3>(volume.radiance.base, volume_sampler)),
+        .nodes = volume.nodes};
 }
 
 }  // namespace lumo::cones

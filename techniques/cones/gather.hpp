@@ -18,6 +18,7 @@ using GatherBlock = shaders::cones::irradiance::Gather;
 struct Needs {
     bool emission = false;      ///< the volume has emission
     bool environment = false;   ///< light comes from outside the grid
+    bool sky = false;           ///< … from a sky
     bool anisotropic = true;    ///< the volume's mips are
     int32_t octree_levels = 0;  ///< as voxels::View
     bool occlusion = false;     ///< how near opacity is, in place of light
@@ -31,10 +32,12 @@ struct Gather {
     rhi::Sampled<rhi::Dimension::d3> emission_directions;
     rhi::UniformBuffer block;     ///< a GatherBlock
     rhi::UniformBuffer emitters;  ///< an EmitterBlock
+    rhi::Sampled<rhi::Dimension::d3> sky;
     rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> nodes;
 };
 
-/// What cones gather from. `environment` is the radiance from outside the grid, W/m²/sr. `emitters` are the volume's;
+/// What cones gather from. `environment` is the radiance from outside the grid, W/m²/sr, or, with Needs::sky, `sky` is its
+/// map (shaders/sky/map.glsl). `emitters` are the volume's;
 /// without them the cones of the distribution see all of its emission. What is `occlusion_radius` away, metres above 0,
 /// occludes by half; none: a tenth of the grid's side.
 struct Source {
@@ -42,6 +45,7 @@ struct Source {
     glm::vec3 environment{0};
     std::optional<rhi::UniformBuffer> emitters = {};
     std::optional<float> occlusion_radius = {};
+    std::optional<rhi::Sampled<rhi::Dimension::d3>> sky = {};
 };
 
 /// For programs of this submission. `volume_sampler` filters linearly, mips too.

@@ -88,7 +88,8 @@ Result<Specular> Specular::create(rhi::Device& device, const Needs& needs, rhi::
                 .create_compute_pipeline<shaders::cones::specular>({.gather_emission = needs.emission,
                                                                     .gather_environment = needs.environment,
                                                                     .anisotropic = needs.anisotropic,
-                                                                    .octree_levels = needs.octree_levels})
+                                                                    .octree_levels = needs.octree_levels,
+                                                                    .gather_sky = needs.sky})
                 .map(keep(made.pipeline_));
         })
         .map([&] { return std::move(made); });
@@ -115,6 +116,7 @@ rhi::View<Dimension::d2> Specular::record(rhi::Commands& commands, const gbuffer
                    .voxel_emission_directions = gather.emission_directions,
                    .gather = gather.block,
                    .emitters = gather.emitters,
+                   .sky_map = gather.sky,
                    .voxel_nodes = gather.nodes},
                   {}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
     return specular_.view<Dimension::d2>();

@@ -18,7 +18,8 @@ Result<void> keep(Result<T> made, std::optional<T>& place) {
 }  // namespace
 
 Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const Plan& plan,
-                            const SceneFacts& facts, const scene::GeometryView& geometry) {
+                            const SceneFacts& facts, const scene::GeometryView& geometry,
+                            const scene::Atmosphere* atmosphere) {
     Frame frame;
     frame.settings_ = settings;
     frame.facts_ = facts;
@@ -37,8 +38,18 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
     }
     const bool emission = frame.emission_ = plan.needs("voxels.emission");
     const bool environment = plan.needs("cones.environment");
+    frame.sky_map_ = plan.needs("sky.map");
+    frame.sky_pixels_ = plan.needs("sky.pixels");
+    if (made && (frame.sky_map_ || frame.sky_pixels_)) {
+        made = keep(atmosphere ? sky::Sky::create(device, *atmosphere, settings.sky)
+                               : sky::Sky::create(device, sky::nothing(), sky::least_settings()),
+                    frame.sky_);
+    }
+    if (made && frame.sky_pixels_) made = frame.sky_->create_pixels(device, settings.size);
+    const bool sky_lights = frame.sky_map_ && facts.sky;
     const cones::Needs gather_needs{.emission = emission,
                                     .environment = environment,
+                                    .sky = sky_lights,
                                     .anisotropic = settings.voxels.mips == voxels::MipKind::anisotropic,
                                     .octree_levels = settings.voxels.octree_levels()};
     voxels::OctreeSize octree;
@@ -63,12 +74,13 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
         made = keep(cones::Emitters::create(device, settings.voxels), frame.emitters_);
     }
     if (made && plan.needs("voxels.bounce")) {
-        made = keep(
-            bounce::Bounce::create(
-                device, {.bounces = settings.bounces, .cones = settings.cones},
-                {.emission = emission, .environment = environment, .several_lights = facts.several_lights},
-                *frame.volume_),
-            frame.bounce_);
+        made = keep(bounce::Bounce::create(device, {.bounces = settings.bounces, .cones = settings.cones},
+                                           {.emission = emission,
+                                            .environment = environment,
+                                            .sky = sky_lights,
+                                            .several_lights = facts.several_lights},
+                                           *frame.volume_),
+                    frame.bounce_);
     }
     if (made && plan.needs("cones")) {
         made = keep(cones::Irradiance::create(device, settings.cones, gather_needs, settings.size),
@@ -93,6 +105,7 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
         needs.lights = plan.needs("shadow");
         needs.indirect = plan.needs("cones");
         needs.specular = specular;
+        needs.sky = frame.sky_pixels_;
         needs.emission = gbuffer_needs.emission;
         needs.layers = settings.wants(Layer::direct) || settings.wants(Layer::indirect);
         needs.blend = frame.blend_ = plan.needs("blend");
@@ -115,12 +128,18 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
     std::optional<shadow::View> lights;
     if (shadow_) lights = shadow_->record(commands, inputs.geometry, inputs.lights);
 
+    const scene::Sky sky = inputs.sky.value_or(scene::Sky{.atmosphere = sky::nothing()});
+    std::optional<rhi::Sampled<rhi::Dimension::d3>> sky_map;
+    std::optional<sky::Pixels> sky_pixels;
+    if (sky_map_) sky_map = sky_->record_map(commands, sky);
+    if (sky_pixels_) sky_pixels = sky_->record_pixels(commands, gbuffer, sky, inputs.camera.position);
+
     std::optional<cones::Source> source;
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance, ao;
     if (volume_) {
         volume_->voxelize(commands, inputs.geometry, facts_.highest_emission);
         volume_->inject(commands, lights && irradiance_ ? &*lights : nullptr);
-        source = {.volume = volume_->view(), .environment = inputs.environment_radiance};
+        source = {.volume = volume_->view(), .environment = inputs.environment_radiance, .sky = sky_map};
         if (emitters_) source->emitters = emitters_->record(commands, *volume_);
         if (bounce_) source->volume = bounce_->record(commands, *volume_, *source);
         if (dense_)
@@ -143,6 +162,7 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
                                                             .irradiance = irradiance,
                                                             .specular = specular,
                                                             .gather = gather,
+                                                            .sky = sky_pixels,
                                                             .environment = inputs.environment_radiance,
                                                             .geometry = inputs.geometry,
                                                             .eye = camera.eye});

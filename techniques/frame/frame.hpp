@@ -16,6 +16,7 @@
 #include "techniques/lighting/lighting.hpp"
 #include "techniques/post/post.hpp"
 #include "techniques/shadow/shadow.hpp"
+#include "techniques/sky/sky.hpp"
 #include "techniques/voxels/voxels.hpp"
 
 namespace lumo::frame {
@@ -24,15 +25,18 @@ namespace lumo::frame {
 struct Inputs {
     scene::GeometryView geometry;
     scene::Camera camera;
-    std::vector<scene::Light> lights;   ///< as shadow::drawn_lights returns them
-    glm::vec3 environment_radiance{0};  ///< W/m²/sr
+    std::vector<scene::Light> lights;    ///< as shadow::drawn_lights returns them
+    glm::vec3 environment_radiance{0};   ///< W/m²/sr
+    std::optional<scene::Sky> sky = {};  ///< its sun is among the lights
 };
 
 class Frame {
   public:
-    /// Makes what the plan needs and nothing else. Errors: those of the techniques.
+    /// Makes what the plan needs and nothing else; computes the tables of the sky's air, if it has one. Errors: those of
+    /// the techniques.
     static Result<Frame> create(rhi::Device& device, const Settings& settings, const Plan& plan,
-                                const SceneFacts& facts, const scene::GeometryView& geometry);
+                                const SceneFacts& facts, const scene::GeometryView& geometry,
+                                const scene::Atmosphere* atmosphere = nullptr);
 
     void record(rhi::Commands& commands, const Inputs& inputs);
 
@@ -51,6 +55,8 @@ class Frame {
     bool blend_ = false;     ///< surfaces are blended
     std::optional<gbuffer::GBuffer> gbuffer_;
     std::optional<shadow::Shadow> shadow_;
+    std::optional<sky::Sky> sky_;
+    bool sky_map_ = false, sky_pixels_ = false;
     std::optional<voxels::Volume> volume_;
     std::optional<cones::Emitters> emitters_;
     std::optional<bounce::Bounce> bounce_;

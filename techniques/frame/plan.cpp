@@ -102,6 +102,11 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
            !gi                          ? no_gi
            : settings.diffuse_materials ? "materials are taken as diffuse"
                                         : "every material is unlit");
+    decide("sky.map", gi && facts.sky, "cones that leave the scene see the sky",
+           gi ? "the scene has no sky" : no_gi);
+    const bool shown = settings.wants(Layer::final) || settings.wants(Layer::radiance);
+    decide("sky.pixels", facts.sky && shown, "the sky is seen, and surfaces through its air",
+           facts.sky ? "no layer shows the sky" : "the scene has no sky");
     decide("cones.environment", gi && facts.environment, "light comes from outside the scene",
            gi ? "the environment is black" : no_gi);
     decide("cones.ao", ao, "the layer ao is asked for",

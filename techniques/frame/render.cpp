@@ -43,13 +43,15 @@ Result<Rendered> render(rhi::Device& device, const scene::Scene& scene, const sc
     rendered.plan = make_plan(facts, settings);
 
     const scene::GeometryView geometry = gpu_scene.view();
-    Result<Frame> frame = Frame::create(device, settings, rendered.plan, facts, geometry);
+    Result<Frame> frame = Frame::create(device, settings, rendered.plan, facts, geometry,
+                                        scene.sky ? &scene.sky->atmosphere : nullptr);
     if (!frame) return tl::unexpected(frame.error());
 
     const Inputs inputs{.geometry = geometry,
                         .camera = camera,
                         .lights = shadow::drawn_lights(scene.lights),
-                        .environment_radiance = scene.environment_radiance};
+                        .environment_radiance = scene.environment_radiance,
+                        .sky = scene.sky};
 
     do {
         const auto start = std::chrono::steady_clock::now();

@@ -12,6 +12,7 @@
 #include "techniques/cones/dense_gather.hpp"
 #include "techniques/post/post.hpp"
 #include "techniques/shadow/shadow.hpp"
+#include "techniques/sky/sky.hpp"
 #include "techniques/voxels/voxels.hpp"
 
 namespace lumo::frame {
@@ -58,6 +59,7 @@ struct Settings {
     /// Metres, above 0, where occlusion counts half; none: a tenth of the grid's side.
     std::optional<float> ao_radius = {};
     shadow::Settings shadow = {};
+    sky::Settings sky = {};
     std::optional<float> exposure = {};  ///< post.exposure; none: that, or daylight_exposure under a sky
     post::Settings post = {};
 

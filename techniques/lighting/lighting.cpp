@@ -74,7 +74,8 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
                                          .indirect_light = needs.indirect,
                                          .emission = needs.emission,
                                          .diffuse_materials = needs.diffuse_materials,
-                                         .specular_light = needs.specular})
+                                         .specular_light = needs.specular,
+                                         .sky = needs.sky})
             .map([&](rhi::ComputePipeline<P> shade) { pipeline = std::move(shade); });
     };
     if (needs.layers) {
@@ -92,7 +93,8 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
                                               .gather_emission = needs.gather.emission,
                                               .gather_environment = needs.gather.environment,
                                               .anisotropic = needs.gather.anisotropic,
-                                              .octree_levels = needs.gather.octree_levels});
+                                              .octree_levels = needs.gather.octree_levels,
+                                              .gather_sky = needs.gather.sky});
         });
     } else if (needs.blend) {
         done = done.and_then([&] {
@@ -139,6 +141,7 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
                                             inputs.gather->emission_directions,
                                             inputs.gather->block,
                                             inputs.gather->emitters,
+                                            inputs.gather->sky,
                                             inputs.gather->nodes};
             else
                 return typename P::Bindings{
@@ -176,19 +179,23 @@ View Lighting::record(rhi::Commands& commands, const Inputs& inputs) {
         const auto emission = sampled(g.emission.value_or(g.base_color_metallic));
         const auto irradiance = sampled(inputs.irradiance.value_or(g.base_color_metallic));
         const auto specular = sampled(inputs.specular.value_or(g.base_color_metallic));
+        const auto sky_radiance = sampled(inputs.sky ? inputs.sky->radiance : g.base_color_metallic);
+        const auto sky_transmittance =
+            sampled(inputs.sky ? inputs.sky->transmittance : g.base_color_metallic);
         if (needs_.layers) {
             view.direct = direct_.view<Dimension::d2>();
             view.indirect = indirect_.view<Dimension::d2>();
             pass.dispatch(shade_layers_,
                           {sampled(g.depth), sampled(g.base_color_metallic), sampled(g.normal_roughness),
                            sampled(g.geometric_normal_occlusion), emission, irradiance, lights.shadow_maps,
-                           g.camera, lights.block, view.radiance, *view.direct, *view.indirect, specular},
+                           g.camera, lights.block, view.radiance, *view.direct, *view.indirect, specular,
+                           sky_radiance, sky_transmittance},
                           {.environment = inputs.environment}, groups);
         } else {
             pass.dispatch(shade_,
                           {sampled(g.depth), sampled(g.base_color_metallic), sampled(g.normal_roughness),
                            sampled(g.geometric_normal_occlusion), emission, irradiance, lights.shadow_maps,
-                           g.camera, lights.block, view.radiance, specular},
+                           g.camera, lights.block, view.radiance, specular, sky_radiance, sky_transmittance},
                           {.environment = inputs.environment}, groups);
         }
     }

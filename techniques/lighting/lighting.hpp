@@ -14,6 +14,7 @@
 #include "techniques/cones/gather.hpp"
 #include "techniques/gbuffer/gbuffer.hpp"
 #include "techniques/shadow/shadow.hpp"
+#include "techniques/sky/sky.hpp"
 
 namespace lumo::lighting {
 
@@ -23,6 +24,7 @@ struct Needs {
     bool indirect = false;            ///< there is irradiance of indirect light
     bool specular = false;            ///< there is indirect light of the specular lobe
     bool emission = false;            ///< the G-buffer has the target of emission
+    bool sky = false;                 ///< a sky is seen, and surfaces through its air
     bool layers = false;              ///< direct and indirect radiance are wanted by themselves
     bool blend = false;               ///< some surface is blended
     bool blend_double_sided = false;  ///< … and seen from both sides
@@ -42,6 +44,7 @@ struct Inputs {
     std::optional<rhi::View<rhi::Dimension::d2>> specular =
         {};                                    ///< if Needs::specular; W/m²/sr, of G-buffer pixels
     std::optional<cones::Gather> gather = {};  ///< if Needs::indirect and Needs::blend
+    std::optional<sky::Pixels> sky = {};       ///< if Needs::sky
     glm::vec3 environment{0};                  ///< radiance seen where nothing was drawn, W/m²/sr
     /// For the blended surfaces, if Needs::blend.
     std::optional<scene::GeometryView> geometry = {};
@@ -49,7 +52,8 @@ struct Inputs {
 };
 
 /// rgba32_float, W/m²/sr. `radiance` = direct + indirect + specular + emission + environment, blended surfaces over it; the
-/// layers `direct` and `indirect` are of what lies behind those.
+/// layers `direct` and `indirect` are of what lies behind those. The air of a sky is before all but the blended surfaces, in
+/// `radiance` alone.
 struct View {
     rhi::View<rhi::Dimension::d2> radiance;
     std::optional<rhi::View<rhi::Dimension::d2>> direct;

@@ -8,6 +8,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "scene/sky.hpp"
+#include "techniques/atmosphere/stored.hpp"
 
 namespace lumo::sky {
 namespace {
@@ -58,6 +59,21 @@ glm::dvec2 place_of(glm::dvec3 direction) {
 
 scene::Atmosphere nothing() { return {.wavelengths_nm = {550}, .sun_irradiance = {0}, .ground_albedo = {0}}; }
 
+Settings least_settings() {
+    return {.tables = {.orders = 1,
+                       .iterations = 2,
+                       .columns = 16,
+                       .altitudes = 2,
+                       .suns = 2,
+                       .directions = 4,
+                       .degree = 2,
+                       .zeniths = 6,
+                       .azimuths = 3,
+                       .table_nodes = 4,
+                       .nodes = 4},
+            .map_side = 32};
+}
+
 Result<Sky> Sky::create(rhi::Device& device, const scene::Atmosphere& atmosphere, const Settings& settings) {
     if (!std::has_single_bit(settings.map_side) || settings.map_side < 32 || settings.map_side > 2048)
         return fail(ErrorKind::invalid_argument, "sky",
@@ -68,10 +84,9 @@ Result<Sky> Sky::create(rhi::Device& device, const scene::Atmosphere& atmosphere
     const std::vector<glm::dvec3> weights = scene::rgb_weights(atmosphere.wavelengths_nm);
     size_t first = 0;
     for (const scene::Atmosphere& four : atmosphere::by_fours(atmosphere)) {
-        auto tables = atmosphere::Tables::create(device, four, settings.tables);
+        auto tables =
+            atmosphere::stored_or_precomputed(device, four, settings.tables, rhi::DiskCache::of_user());
         if (!tables) return tl::unexpected(tables.error());
-        if (const auto done = atmosphere::precompute(device, *tables); !done)
-            return tl::unexpected(done.error());
         const size_t count = four.wavelengths_nm.size();
         Block block{};
         set_weights(block, weights, atmosphere.sun_irradiance, first, count);
@@ -143,7 +158,7 @@ rhi::Sampled<Dimension::d3> Sky::record_map(rhi::Commands& commands, const scene
         pass.dispatch(map_pipeline_,
                       {.air = tables.block,
                        .air_columns = tables.columns,
-                       .air_moments = tables.moments,
+                       .air_light = tables.light,
                        .air_peaks = tables.peaks,
                        .sky = commands.uniform(block(parts_[i], sky, glm::vec3(0))),
                        .map = map_.mip<Dimension::d3>(0)},
@@ -167,7 +182,7 @@ Pixels Sky::record_pixels(rhi::Commands& commands, const gbuffer::View& gbuffer,
         pass.dispatch(pixels_pipeline_,
                       {.air = tables.block,
                        .air_columns = tables.columns,
-                       .air_moments = tables.moments,
+                       .air_light = tables.light,
                        .air_peaks = tables.peaks,
                        .camera = gbuffer.camera,
                        .sky = commands.uniform(block(parts_[i], sky, position)),

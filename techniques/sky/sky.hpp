@@ -21,8 +21,10 @@ struct Settings {
     uint32_t map_side = 128;  ///< texels, a power of two from 32 to 2048
 };
 
-/// Air without anything in it under no sun, which changes no picture: for what is made without being needed.
+/// Air without anything in it under no sun, which changes no picture: for what is made without being needed; and
+/// settings that are enough for it.
 scene::Atmosphere nothing();
+Settings least_settings();
 
 /// rgba32_float of the frame's size; a is 1. A pixel's radiance is what its surface sends times `transmittance`, plus
 /// `radiance`; negative values count as 0.
@@ -33,7 +35,7 @@ struct Pixels {
 
 class Sky {
   public:
-    /// Computes the atmosphere's tables. Errors: invalid_argument (map_side; a setting of the tables), and those of the
+    /// Computes the atmosphere's tables, or takes them from the user's cache. Errors: invalid_argument (map_side; a setting of the tables), and those of the
     /// device.
     static Result<Sky> create(rhi::Device& device, const scene::Atmosphere& atmosphere,
                               const Settings& settings = {});

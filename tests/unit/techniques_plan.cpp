@@ -71,6 +71,31 @@ TEST(Plan, EnvironmentAlone) {
                                      "cones.environment", "lighting", "lighting.specular", "post"));
 }
 
+TEST(Plan, SkyIsMadeWhereItLightsOrIsSeen) {
+    SceneFacts facts = surfaces();
+    facts.sky = facts.environment = facts.lights = true;
+    EXPECT_THAT(needed(make_plan(facts, {})), IsSupersetOf({"sky.map", "sky.pixels", "cones.environment"}));
+    const Plan unlit = make_plan(facts, {.gi = false});
+    EXPECT_FALSE(unlit.needs("sky.map"));
+    EXPECT_TRUE(unlit.needs("sky.pixels"));
+    const Plan unseen = make_plan(facts, {.layers = {Layer::irradiance, Layer::depth}});
+    EXPECT_TRUE(unseen.needs("sky.map"));
+    EXPECT_FALSE(unseen.needs("sky.pixels"));
+    EXPECT_THAT(item(unseen, "sky.pixels").why, HasSubstr("no layer"));
+    facts.triangles = 0;
+    EXPECT_FALSE(make_plan(facts, {}).needs("sky.map"));
+    EXPECT_TRUE(make_plan(facts, {}).needs("sky.pixels"));
+    facts.sky = false;
+    EXPECT_THAT(item(make_plan(facts, {}), "sky.pixels").why, HasSubstr("no sky"));
+}
+
+TEST(Resolve, ExposureIsTheSkysUnlessAsked) {
+    EXPECT_EQ(resolve({}, {}).post.exposure, 0);
+    EXPECT_EQ(resolve({}, {.sky = true}).post.exposure, daylight_exposure);
+    EXPECT_EQ(resolve({.exposure = 1.5f}, {.sky = true}).post.exposure, 1.5f);
+    EXPECT_EQ(resolve({.post = {.exposure = -2}}, {}).post.exposure, -2);
+}
+
 TEST(Plan, MaskBlendUnlitAndNormalMaps) {
     SceneFacts facts = surfaces();
     facts.lights = facts.alpha_mask = facts.alpha_blend = facts.unlit = facts.normal_maps = true;
@@ -124,7 +149,7 @@ TEST(Plan, DisplayOnlyWhereItIsShown) {
 
 /// Every combination of facts: full needs all, mentions the same, never changes what automatic says of the rest.
 TEST(Plan, FullForcesEverythingAndSaysSo) {
-    for (unsigned bits = 0; bits < 1u << 9; ++bits) {
+    for (unsigned bits = 0; bits < 1u << 10; ++bits) {
         const auto bit = [bits](unsigned i) { return (bits >> i & 1) != 0; };
         const SceneFacts facts{.triangles = bit(0) ? 5u : 0u,
                                .alpha_mask = bit(1),
@@ -134,6 +159,7 @@ TEST(Plan, FullForcesEverythingAndSaysSo) {
                                .normal_maps = bit(5),
                                .specular = bit(6),
                                .environment = bit(7),
+                               .sky = bit(9),
                                .lights = bit(8)};
         for (const bool gi : {true, false}) {
             Settings settings{.gi = gi};
@@ -149,8 +175,9 @@ TEST(Plan, FullForcesEverythingAndSaysSo) {
                 ASSERT_EQ(full.items[i].why, prefix + automatic.items[i].why);
             }
             // Nothing that works on voxels without the voxels.
-            for (const char* part : {"voxels.mask", "voxels.opacity", "voxels.emission", "voxels.light",
-                                     "voxels.bounce", "cones", "cones.specular", "cones.environment"}) {
+            for (const char* part :
+                 {"voxels.mask", "voxels.opacity", "voxels.emission", "voxels.light", "voxels.bounce",
+                  "cones", "cones.specular", "cones.environment", "sky.map"}) {
                 ASSERT_TRUE(!automatic.needs(part) || automatic.needs("voxels")) << part;
             }
             ASSERT_TRUE(!automatic.needs("voxels.light") || automatic.needs("shadow"));
