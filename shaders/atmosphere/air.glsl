@@ -6,7 +6,6 @@
 #include "common/constants.glsl"
 
 const int max_nodes = 16;
-const int max_degree = 15;
 
 layout(binding = atmosphere_binding, std140) uniform Atmosphere {
     vec4 rayleigh_scattering;  // per km, at the ground
@@ -24,11 +23,10 @@ layout(binding = atmosphere_binding, std140) uniform Atmosphere {
     float sun_radius;          // angular
     float mie_g;
     int orders;                // 1: no light is scattered twice
-    int degree;                // of the moments
+    int degree;                // of azimuths in the tables
+    int directions;            // zenith angles in the tables
     int nodes;                 // of a piece of a ray
-    int padding;
-    vec4 quadrature[max_nodes / 2];         // of Gauss and Legendre on [0, 1]: node, weight, node, weight
-    vec4 mie_moments[(max_degree + 1) / 4]; // of the phase function: the integral over directions of p P_l
+    vec4 quadrature[max_nodes / 2];  // of Gauss and Legendre on [0, 1]: node, weight, node, weight
 } air;
 
 float radius_at(float altitude) { return air.radius_ground + altitude; }
@@ -136,6 +134,11 @@ float mu_sun_at(float place) {
 // And altitudes: densely at the ground.
 float altitude_place(float altitude) { return sqrt(clamp(altitude / air.height, 0.0, 1.0)); }
 float altitude_at(float place) { return air.height * place * place; }
+// And directions, by the angle to the vertical: twice as densely at the level as on average.
+float direction_place(float mu) {
+    float x = 1.0 - acos(clamp(mu, -1.0, 1.0)) * (2.0 / pi);
+    return 0.5 + x / (1.0 + abs(x));
+}
 
 // Places 0 and 1 are the centres of the first and the last texel.
 vec2 texel_centred(vec2 place, vec2 size) { return (place * (size - 1.0) + 0.5) / size; }

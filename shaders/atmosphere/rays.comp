@@ -3,19 +3,34 @@ const int atmosphere_binding = 0;
 #include "atmosphere/air.glsl"
 #include "atmosphere/columns.glsl"
 #include "atmosphere/scattering.glsl"
-#include "atmosphere/directions.glsl"
 
 layout(local_size_x = 64) in;
 
 layout(push_constant) uniform Push {
     ivec2 size;       // of the tables: suns, altitudes
-    ivec2 directions; // zeniths, azimuths
+    ivec2 directions; // zenith angles, azimuths
     int first_row;
     int rows;
-    int order;
+    vec2 first;       // factors of light that molecules and aerosols scattered once
+    int again;        // 1: light of the order before, as the tables have it, scattered once more
+    int ground;       // 1: light of the order before that the ground reflects
 } push;
 
-layout(binding = 5, std430) writeonly buffer Rays { vec4 data[]; } rays;  // azimuths, then zeniths, then texels
+// Azimuths are adjacent, then zeniths, then texels.
+layout(binding = 5, std430) writeonly buffer Rays { vec4 data[]; } rays;
+
+// Zenith angles, in three zones: below the horizon, between it and the level, and above.
+layout(binding = 6, std430) readonly buffer Zeniths { vec2 data[]; } zeniths;  // node in [0, 1], zone
+
+float zenith_mu(int i, float altitude) {
+    vec2 node = zeniths.data[i];
+    float horizon = horizon_mu(altitude);
+    float from = node.y < 2.0 ? horizon : 0.0;
+    float to = node.y < 1.0 ? -1.0 : node.y < 2.0 ? 0.0 : 1.0;
+    return mix(from, to, node.x * node.x);
+}
+
+float azimuth(int i, int count) { return pi * (float(i) + 0.5) / float(count); }
 
 void main() {
     int i = int(gl_GlobalInvocationID.x);
@@ -26,16 +41,16 @@ void main() {
     ivec2 at = ivec2(texel % push.size.x, push.first_row + texel / push.size.x);
     float altitude = altitude_at(float(at.y) / float(push.size.y - 1));
     float mu_sun = mu_sun_at(float(at.x) / float(push.size.x - 1));
-    float mu = zenith(direction / push.directions.y, altitude).mu;
+    float mu = zenith_mu(direction / push.directions.y, altitude);
     float sines = sqrt(max((1.0 - mu * mu) * (1.0 - mu_sun * mu_sun), 0.0));
     float nu = clamp(mu * mu_sun + sines * cos(azimuth(direction % push.directions.y, push.directions.y)), -1.0, 1.0);
 
     AirPath path = air_path(RayPoint(altitude, mu));
-    vec4 light = light_along(path, path.extent, mu_sun, nu, push.order == 1, push.order > 1);
-    if (path.ground) {
+    vec4 light = light_along(path, path.extent, mu_sun, nu, push.first, push.again == 1);
+    if (path.ground && push.ground == 1) {
         float ground_sun = (radius_at(altitude) * mu_sun + nu * path.extent) / air.radius_ground;
         vec4 irradiance =
-            push.order > 1 ? sky_irradiance_at(0.0, ground_sun)
+            push.again == 1 ? sky_irradiance_at(0.0, ground_sun)
                            : max(ground_sun, 0.0) * sun_visibility(0.0, ground_sun) *
                                  transmittance_of(columns_to_sun(0.0, ground_sun));
         vec4 transmittance =

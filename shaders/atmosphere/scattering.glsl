@@ -1,61 +1,62 @@
 // Light scattered toward the eye along a ray, by the tables. Include after atmosphere/columns.glsl; takes the bindings
 // atmosphere_binding + 2 and + 3. Light is relative to the sun's irradiance.
 
-// Layers: moments of the light that arrives at a point from all directions, summed over the orders that are scattered
-// once more; see scattered_again(). The last layer is the sky's irradiance on a level plane.
-layout(binding = atmosphere_binding + 2) uniform sampler2DArray air_moments;
-// What the moments leave out of the aerosols' forward peak: see peaks().
+// Layers, as functions of the sun's zenith angle and of altitude: 0 to 3, what molecules send on, see scattered_again();
+// 4, the sky's irradiance on a level plane; from first_aerosol_layer on, what aerosols send on into air.directions
+// zenith angles, once for each of air.degree + 1 cosines of multiples of the azimuth. Light of several orders together.
+layout(binding = atmosphere_binding + 2) uniform sampler2DArray air_light;
+// What these leave out of the aerosols' forward peak: see peaks().
 layout(binding = atmosphere_binding + 3) uniform sampler2D air_peaks;
 
-vec2 moments_place(float altitude, float mu_sun) {
-    return texel_centred(vec2(sun_place(mu_sun), altitude_place(altitude)), vec2(textureSize(air_moments, 0).xy));
+const int irradiance_layer = 4;
+const int first_aerosol_layer = 5;
+
+vec2 light_place(float altitude, float mu_sun) {
+    return texel_centred(vec2(sun_place(mu_sun), altitude_place(altitude)), vec2(textureSize(air_light, 0).xy));
 }
 
-int moments_count() { return (air.degree + 1) * (air.degree + 2) / 2; }
+vec4 light_layer(vec2 place, int layer) { return textureLod(air_light, vec3(place, float(layer)), 0.0); }
 
 vec4 sky_irradiance_at(float altitude, float mu_sun) {
-    return textureLod(air_moments, vec3(moments_place(altitude, mu_sun), float(moments_count())), 0.0);
+    return light_layer(light_place(altitude, mu_sun), irradiance_layer);
 }
 
 // Light per km and steradian that the air at a point sends on in a direction, of what was scattered or reflected before.
-// Spherical harmonics about the vertical, even in the azimuth from the sun: convolution with a phase function is one
-// factor for each degree (Funk and Hecke). The factors of normalisation are in the moments.
+// Convolution with a phase function is one factor for each degree of spherical harmonics (Funk and Hecke); that of
+// molecules has the degrees 0 and 2, about the vertical and even in the azimuth from the sun.
 vec4 scattered_again(float altitude, float mu, float mu_sun, float nu, vec2 density) {
-    vec2 place = moments_place(altitude, mu_sun);
+    vec2 place = light_place(altitude, mu_sun);
     float sine_squared = max(1.0 - mu * mu, 0.0);
     float sine = sqrt(sine_squared);
     float sun_sine = sqrt(max(1.0 - mu_sun * mu_sun, 0.0));
-    float toward_sun = clamp((nu - mu * mu_sun) / max(sun_sine, 1e-4), -sine, sine);  // sin(theta) cos(phi)
-    vec4 rayleigh = air.rayleigh_scattering * density.x;
-    vec4 mie = air.mie_scattering * density.y;
-    vec4 sum = vec4(0);
-    int layer = 0;
-    float azimuthal = 1.0;  // sin(theta)^m cos(m phi)
-    float azimuthal_before = 0.0;
-    float sectoral = 1.0;
-    for (int m = 0; m <= air.degree; ++m) {
-        float legendre = sectoral;  // P_lm / sin(theta)^m
-        float legendre_before = 0.0;
-        for (int l = m; l <= air.degree; ++l) {
-            vec4 moment = textureLod(air_moments, vec3(place, float(layer)), 0.0);
-            float rayleigh_moment = l == 0 ? 1.0 : l == 2 ? 0.1 : 0.0;
-            sum += (rayleigh * rayleigh_moment + mie * air.mie_moments[l >> 2][l & 3]) * moment *
-                   (legendre * azimuthal);
-            float next = (float(2 * l + 1) * mu * legendre - float(l + m) * legendre_before) / float(l + 1 - m);
-            legendre_before = legendre;
-            legendre = next;
-            layer += 1;
+    float toward_sun = clamp((nu - mu * mu_sun) / max(sun_sine, 1e-4), -sine, sine);  // sine times cosine of the azimuth
+    vec4 by_molecules = light_layer(place, 0) + light_layer(place, 1) * (1.5 * mu * mu - 0.5) +
+                        light_layer(place, 2) * (mu * toward_sun) +
+                        light_layer(place, 3) * (2.0 * toward_sun * toward_sun - sine_squared);
+    vec4 sum = air.rayleigh_scattering * density.x * max(by_molecules, vec4(0));
+    if (density.y > 1e-7) {
+        float direction = direction_place(mu) * float(air.directions - 1);
+        int below = min(int(direction), air.directions - 2);
+        float above = direction - float(below);
+        float cosine = clamp(toward_sun / max(sine, 1e-4), -1.0, 1.0);
+        float harmonic = 1.0;
+        float harmonic_before = cosine;
+        int layer = first_aerosol_layer + below;
+        vec4 by_aerosols = vec4(0);
+        for (int m = 0; m <= air.degree; ++m) {
+            by_aerosols += harmonic * mix(light_layer(place, layer), light_layer(place, layer + 1), above);
+            float next = 2.0 * cosine * harmonic - harmonic_before;
+            harmonic_before = harmonic;
+            harmonic = next;
+            layer += air.directions;
         }
-        float next = (m == 0 ? 1.0 : 2.0) * toward_sun * azimuthal - sine_squared * azimuthal_before;
-        azimuthal_before = azimuthal;
-        azimuthal = next;
-        sectoral *= float(2 * m + 1);
+        sum += air.mie_scattering * density.y * max(by_aerosols, vec4(0));
     }
-    return max(sum, vec4(0));
+    return sum;
 }
 
-// The part of the aerosols' phase function, convolved with itself 1 to 4 times, that has moments above air.degree: light
-// that was scattered by so little each time that it came along the ray itself.
+// The part of the aerosols' phase function, convolved with itself 1 to 4 times, that has degrees above air.degree: light
+// of the sun that was scattered by so little each time that it comes from where the sun is.
 vec4 peaks(float nu) {
     vec2 size = vec2(textureSize(air_peaks, 0));
     return textureLod(air_peaks, texel_centred(vec2(sqrt(max(0.5 - 0.5 * nu, 0.0)), 0), size), 0.0);
@@ -72,10 +73,11 @@ vec2 roots(float a, float b, float c) {
     return vec2(c / q, a > 0.0 ? q / a : -1.0);
 }
 
-// Light from the first `length` km of a path. `first`: of order 1; `again`: of what the tables hold. By Gauss and
+// Light from the first `length` km of a path: of the sun's, scattered once by molecules and by aerosols, times `first`;
+// and, with `again`, of what the tables hold. By Gauss and
 // Legendre over pieces that end at the perigee and where the sun's disc touches the horizon; each with t = L u² from
 // its lower end, where the air is.
-vec4 light_along(AirPath path, float length, float mu_sun, float nu, bool first, bool again) {
+vec4 light_along(AirPath path, float length, float mu_sun, float nu, vec2 first, bool again) {
     float ground = air.radius_ground;
     float r = radius_at(path.at.altitude);
     float r_sun = r * mu_sun;
@@ -83,7 +85,8 @@ vec4 light_along(AirPath path, float length, float mu_sun, float nu, bool first,
 
     // The disc's place above the horizon is r_sun + nu d + sqrt(r(d)² - R²) = c for c = -alpha R, alpha R.
     vec4 cuts = vec4(-1);
-    if (first) {
+    bool sunlit = first.x + first.y > 0.0;
+    if (sunlit) {
         for (int i = 0; i < 2; ++i) {
             float rest = (i == 0 ? -1.0 : 1.0) * air.sun_radius * ground - r_sun;
             vec2 found = roots(1.0 - nu * nu, r * path.at.mu + nu * rest, path.at.altitude * (r + ground) - rest * rest);
@@ -91,8 +94,8 @@ vec4 light_along(AirPath path, float length, float mu_sun, float nu, bool first,
         }
     }
     vec4 peak = again ? peaks(nu) : vec4(0);
-    float rayleigh = rayleigh_phase(nu);
-    float mie = mie_phase(nu);
+    float rayleigh = first.x * rayleigh_phase(nu);
+    float mie = first.y * mie_phase(nu);
 
     vec4 sum = vec4(0);
     float begin = 0.0;
@@ -113,12 +116,13 @@ vec4 light_along(AirPath path, float length, float mu_sun, float nu, bool first,
             vec2 density = densities(at.altitude);
             vec3 columns = columns_to(along, at, distance);
             vec4 source = vec4(0);
-            float visible = first ? sun_visibility(at.altitude, mu_sun_there) : 0.0;
+            float visible = sunlit ? sun_visibility(at.altitude, mu_sun_there) : 0.0;
             if (visible > 0.0) {
-                vec4 depth = air.mie_scattering * columns.y;
+                vec3 to_sun = columns_to_sun(at.altitude, mu_sun_there);
+                vec4 depth = air.mie_scattering * to_sun.y;
                 vec4 forward =
                     depth * (peak.x + depth * (peak.y / 2.0 + depth * (peak.z / 6.0 + depth * peak.w / 24.0)));
-                source = visible * transmittance_of(columns_to_sun(at.altitude, mu_sun_there)) *
+                source = visible * transmittance_of(to_sun) *
                          (air.rayleigh_scattering * (density.x * rayleigh) +
                           air.mie_scattering * density.y * (mie + forward));
             }

@@ -48,7 +48,7 @@ vec4 sky_light(float altitude, float mu, float mu_sun, float nu, float distance,
     float length = min(path.extent, distance - path.entry);
     if (!(length > 0.0)) return vec4(0);
     float mu_sun_there = (radius_at(max(altitude, 0.0)) * mu_sun + nu * path.entry) / radius_at(path.at.altitude);
-    return air.sun_irradiance * light_along(path, length, clamp(mu_sun_there, -1.0, 1.0), nu, true, again);
+    return air.sun_irradiance * light_along(path, length, clamp(mu_sun_there, -1.0, 1.0), nu, vec2(1), again);
 }
 
 // Of all orders, scattered toward the camera within a distance.

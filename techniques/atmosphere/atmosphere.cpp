@@ -16,10 +16,12 @@ using rhi::Format;
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr uint32_t max_nodes = 16;  // of shaders/atmosphere/air.glsl
-constexpr uint32_t max_degree = 15;
+constexpr uint32_t max_nodes = 16;                                 // of shaders/atmosphere/air.glsl
+constexpr uint32_t irradiance_layer = 4, first_aerosol_layer = 5;  // of shaders/atmosphere/scattering.glsl
+constexpr uint32_t max_layers = 256;                               // that every device has
 constexpr uint32_t peak_texels = 256;
 constexpr uint32_t peak_moments = 400;  // the rest is below 1e-9 up to g = 0.95
+constexpr uint32_t most_degrees = 48;   // of the aerosols' light that is gathered from many directions
 constexpr uint32_t rays_per_step = 1 << 16;
 
 Result<void> check(const scene::Atmosphere& atmosphere, const Settings& s) {
@@ -35,7 +37,8 @@ Result<void> check(const scene::Atmosphere& atmosphere, const Settings& s) {
     in_range("columns", s.columns, 16, 1024);
     in_range("altitudes", s.altitudes, 2, 512);
     in_range("suns", s.suns, 2, 1024);
-    in_range("degree", s.degree, 2, max_degree);
+    in_range("degree", s.degree, 2, 15);
+    in_range("directions", s.directions, 4, (max_layers - first_aerosol_layer) / (s.degree + 1));
     in_range("zeniths", s.zeniths, 6, 128);
     in_range("azimuths", s.azimuths, s.degree + 1, 128);
     in_range("table_nodes", s.table_nodes, 4, max_nodes);
@@ -104,20 +107,69 @@ Block make_block(const scene::Atmosphere& a, const Settings& settings) {
     block.mie_g = a.mie ? float(a.mie->g) : 0;
     block.orders = int32_t(settings.orders.value_or(settings.iterations));
     block.degree = int32_t(settings.degree);
-    const std::vector<double> moments =
-        cornette_shanks_moments(a.mie ? a.mie->g : 0, std::max(settings.degree, 2u));
-    for (uint32_t l = 0; l <= settings.degree; ++l) block.mie_moments[l / 4][int(l % 4)] = float(moments[l]);
+    block.directions = int32_t(settings.directions);
     return block;
 }
 
-/// A quarter of the zenith angles for each zone that is below the level, of which there are two.
-std::vector<glm::vec4> zenith_nodes(uint32_t count) {
+/// Of a zone: below the horizon, between it and the level, or above; as shaders/atmosphere/rays.comp has them.
+struct ZenithNode {
+    Node node;
+    int zone;
+};
+
+std::vector<ZenithNode> zenith_nodes(uint32_t count) {
     const uint32_t between = std::max(count / 6, 2u), below = std::max(count / 3, 2u);
-    std::vector<glm::vec4> nodes;
+    std::vector<ZenithNode> nodes;
     for (const auto& [zone, part] : {std::pair{0, below}, {1, between}, {2, count - below - between}})
-        for (const Node& node : gauss_legendre(part))
-            nodes.push_back(glm::vec4(node.x, node.weight, zone, 0));
+        for (const Node& node : gauss_legendre(part)) nodes.push_back({node, zone});
     return nodes;
+}
+
+/// The weights with which the light that arrives at each zenith angle counts in each layer of a row of the tables, for
+/// light integrated over azimuths as rings.comp does; zenith angles are adjacent. Of the aerosols' phase function, the
+/// degrees up to `degree`.
+std::vector<float> gather_weights(const scene::Atmosphere& a, const Settings& settings, double altitude,
+                                  uint32_t degree) {
+    const double horizon =
+        -std::sqrt(altitude * (2 * a.radius_ground_km + altitude)) / (a.radius_ground_km + altitude);
+    const std::vector<ZenithNode> nodes = zenith_nodes(settings.zeniths);
+    const std::vector<double> moments = cornette_shanks_moments(a.mie ? a.mie->g : 0, degree);
+    const uint32_t layers = first_aerosol_layer + (settings.degree + 1) * settings.directions;
+    std::vector<float> weights(size_t(layers) * settings.zeniths);
+    // Of each order m: the harmonics of the directions that light leaves in.
+    std::vector<std::vector<double>> leaving;
+    for (uint32_t m = 0; m <= settings.degree; ++m) {
+        for (uint32_t k = 0; k < settings.directions; ++k) {
+            const double y = double(k) / (settings.directions - 1) - 0.5;  // of direction_place()
+            leaving.push_back(harmonics(m, degree, std::sin(0.5 * pi * y / (1 - std::abs(y)))));
+        }
+    }
+    for (uint32_t j = 0; j < settings.zeniths; ++j) {
+        const auto& [node, zone] = nodes[j];
+        const double from = zone < 2 ? horizon : 0, to = zone == 0 ? -1 : zone == 1 ? 0 : 1;
+        const double mu = from + (to - from) * node.x * node.x;
+        const double solid = 2 * node.x * node.weight * std::abs(to - from);
+        const double sine = std::sqrt((1 - mu) * (1 + mu));
+        const auto set = [&](uint32_t layer, double weight) {
+            weights[size_t(layer) * settings.zeniths + j] = float(solid * weight);
+        };
+        set(0, 1 / (4 * pi));
+        set(1, 0.125 / pi * (1.5 * mu * mu - 0.5));
+        set(2, 0.375 / pi * mu * sine);
+        set(3, 0.09375 / pi * sine * sine);
+        set(irradiance_layer, zone == 2 ? mu : 0);
+        for (uint32_t m = 0; m <= settings.degree; ++m) {
+            const std::vector<double> arriving = harmonics(m, degree, mu);
+            for (uint32_t k = 0; k < settings.directions; ++k) {
+                const uint32_t place = m * settings.directions + k;
+                double sum = 0;
+                for (uint32_t l = m; l <= degree; ++l)
+                    sum += moments[l] * arriving[l - m] * leaving[place][l - m];
+                set(first_aerosol_layer + place, sum);
+            }
+        }
+    }
+    return weights;
 }
 
 /// Orders 2 to 5 of light that aerosols scatter, as far as `orders` has them.
@@ -142,7 +194,8 @@ Settings settings_of(Preset preset) {
             return {.iterations = 4,
                     .columns = 64,
                     .altitudes = 20,
-                    .suns = 40,
+                    .suns = 48,
+                    .directions = 16,
                     .degree = 3,
                     .zeniths = 16,
                     .azimuths = 6,
@@ -153,7 +206,8 @@ Settings settings_of(Preset preset) {
         case Preset::precise:
             return {.iterations = 8,
                     .altitudes = 48,
-                    .suns = 96,
+                    .suns = 128,
+                    .directions = 32,
                     .degree = 6,
                     .zeniths = 32,
                     .azimuths = 12,
@@ -181,73 +235,103 @@ Result<Tables> Tables::create(rhi::Device& device, const scene::Atmosphere& atmo
     set_quadrature(made.block_, settings.nodes);
     set_quadrature(made.table_block_, settings.table_nodes);
     const auto created =
-        made.create_textures(device, atmosphere).and_then([&] { return made.create_pipelines(device); });
+        made.create_resources(device, atmosphere).and_then([&] { return made.create_pipelines(device); });
     if (!created) return tl::unexpected(created.error());
 
     made.steps_.emplace_back(Columns{});
-    for (uint32_t order = 1; order <= settings.orders.value_or(settings.iterations); ++order)
+    const auto add_rows = [&](uint32_t order, Source source) {
         for (uint32_t row = 0; row < settings.altitudes; row += made.rows_per_step_)
             made.steps_.emplace_back(Rows{.order = order,
+                                          .source = source,
                                           .first = row,
                                           .count = std::min(made.rows_per_step_, settings.altitudes - row)});
+    };
+    add_rows(1, Source::sun_by_molecules);
+    if (atmosphere.mie) add_rows(1, Source::sun_by_aerosols);
+    for (uint32_t order = 2; order <= settings.orders.value_or(settings.iterations); ++order)
+        add_rows(order, Source::order_before);
     if (!settings.orders) made.steps_.emplace_back(Tail{});
     return made;
 }
 
-uint32_t Tables::layers() const { return (settings_.degree + 1) * (settings_.degree + 2) / 2 + 1; }
+uint32_t Tables::layers() const {
+    return first_aerosol_layer + (settings_.degree + 1) * settings_.directions;
+}
 
-Result<void> Tables::create_textures(rhi::Device& device, const scene::Atmosphere& atmosphere) {
+Result<void> Tables::create_resources(rhi::Device& device, const scene::Atmosphere& atmosphere) {
     const auto keep = [](auto created, auto& where) -> Result<void> {
         if (!created) return tl::unexpected(created.error());
         where = std::move(*created);
         return {};
     };
-    const auto both = rhi::TextureUsage::sampled | rhi::TextureUsage::storage;
-    const auto table = [&](std::string name, rhi::Texture& where) {
-        return keep(device.create_texture({.name = std::move(name),
-                                           .dimension = Dimension::d2_array,
-                                           .format = Format::rgba32_float,
-                                           .extent = {settings_.suns, settings_.altitudes},
-                                           .layers = layers(),
-                                           .usage = both}),
-                    where);
+    const auto make_texture = [&](rhi::TextureDesc desc, rhi::Texture& where) {
+        return keep(device.create_texture(desc), where);
     };
-    const uint32_t rays_per_row = settings_.suns * settings_.zeniths * settings_.azimuths;
+    const auto make_buffer = [&](std::string name, uint64_t floats, rhi::Buffer& where) {
+        return keep(device.create_buffer({.name = std::move(name), .size = floats * sizeof(float)}), where);
+    };
+    const auto fill = [&](std::string name, const std::vector<float>& values, rhi::Buffer& where) {
+        return make_buffer(std::move(name), values.size(), where).and_then([&] {
+            return device.upload(where.slice(), std::as_bytes(std::span(values)));
+        });
+    };
+    const auto both = rhi::TextureUsage::sampled | rhi::TextureUsage::storage;
+    rhi::TextureDesc table{.name = "atmosphere.light",
+                           .dimension = Dimension::d2_array,
+                           .format = Format::rgba32_float,
+                           .extent = {settings_.suns, settings_.altitudes},
+                           .layers = layers(),
+                           .usage = both};
+    Result<void> made = make_texture(table, sum_);
+    for (rhi::Texture& order : orders_) {
+        table.name = "atmosphere.order";
+        if (made) made = make_texture(table, order);
+    }
+
+    const uint32_t rings_per_row = settings_.suns * settings_.zeniths;
+    const uint32_t rays_per_row = rings_per_row * settings_.azimuths;
     rows_per_step_ = std::clamp(rays_per_step / rays_per_row, 1u, settings_.altitudes);
-    const std::vector<glm::vec4> zeniths = zenith_nodes(settings_.zeniths);
+    std::vector<float> zeniths;
+    for (const ZenithNode& zenith : zenith_nodes(settings_.zeniths))
+        zeniths.insert(zeniths.end(), {float(zenith.node.x), float(zenith.zone)});
     const std::vector<glm::vec4> peaks = peak_table(atmosphere, settings_);
-    return table("atmosphere.sum", sum_)
-        .and_then([&] { return table("atmosphere.odd_orders", moments_[1]); })
-        .and_then([&] { return table("atmosphere.even_orders", moments_[0]); })
+    std::array<std::vector<float>, 2> weights;
+    for (uint32_t row = 0; row < settings_.altitudes; ++row) {
+        const double place = double(row) / (settings_.altitudes - 1);  // of altitude_place()
+        for (const auto& [degree, all] :
+             {std::pair{most_degrees, &weights[0]}, {settings_.degree, &weights[1]}}) {
+            const auto of_row =
+                gather_weights(atmosphere, settings_, atmosphere.height_km() * place * place, degree);
+            all->insert(all->end(), of_row.begin(), of_row.end());
+        }
+    }
+    return made
         .and_then([&] {
-            return keep(device.create_texture({.name = "atmosphere.columns",
-                                               .format = Format::rgba32_float,
-                                               .extent = {settings_.columns, settings_.columns},
-                                               .usage = both}),
-                        columns_);
+            return make_texture({.name = "atmosphere.columns",
+                                 .format = Format::rgba32_float,
+                                 .extent = {settings_.columns, settings_.columns},
+                                 .usage = both},
+                                columns_);
         })
         .and_then([&] {
-            return keep(
-                device.create_texture(
-                    {.name = "atmosphere.peaks", .format = Format::rgba32_float, .extent = {peak_texels, 1}}),
+            return make_texture(
+                {.name = "atmosphere.peaks", .format = Format::rgba32_float, .extent = {peak_texels, 1}},
                 peaks_);
         })
         .and_then([&] {
-            return keep(
-                device.create_buffer({.name = "atmosphere.rays",
-                                      .size = uint64_t(rows_per_step_) * rays_per_row * sizeof(glm::vec4)}),
-                rays_);
-        })
-        .and_then([&] {
-            return keep(device.create_buffer(
-                            {.name = "atmosphere.zeniths", .size = zeniths.size() * sizeof(glm::vec4)}),
-                        zeniths_);
-        })
-        .and_then([&] { return keep(device.create_sampler({}), sampler_); })
-        .and_then([&] { return device.upload(zeniths_.slice(), std::as_bytes(std::span(zeniths))); })
-        .and_then([&] {
             return device.upload(peaks_, rhi::whole_mip(peaks_.desc()), std::as_bytes(std::span(peaks)));
-        });
+        })
+        .and_then([&] {
+            return make_buffer("atmosphere.rays", uint64_t(4) * rows_per_step_ * rays_per_row, rays_);
+        })
+        .and_then([&] {
+            return make_buffer("atmosphere.rings",
+                               uint64_t(4) * rows_per_step_ * rings_per_row * (settings_.degree + 1), rings_);
+        })
+        .and_then([&] { return fill("atmosphere.zeniths", zeniths, zeniths_); })
+        .and_then([&] { return fill("atmosphere.weights", weights[0], weights_[0]); })
+        .and_then([&] { return fill("atmosphere.low_weights", weights[1], weights_[1]); })
+        .and_then([&] { return keep(device.create_sampler({}), sampler_); });
 }
 
 Result<void> Tables::create_pipelines(rhi::Device& device) {
@@ -256,14 +340,15 @@ Result<void> Tables::create_pipelines(rhi::Device& device) {
     };
     return create(columns_pipeline_)
         .and_then([&] { return create(rays_pipeline_); })
-        .and_then([&] { return create(moments_pipeline_); })
+        .and_then([&] { return create(rings_pipeline_); })
+        .and_then([&] { return create(gather_pipeline_); })
         .and_then([&] { return create(tail_pipeline_); });
 }
 
-Sky Tables::sky_of(rhi::Commands& commands, const Block& block, const rhi::Texture& moments) const {
+Sky Tables::sky_of(rhi::Commands& commands, const Block& block, const rhi::Texture& light) const {
     return {.block = commands.uniform(block),
             .columns = {columns_.view<Dimension::d2>(), sampler_},
-            .moments = {moments.view<Dimension::d2_array>(), sampler_},
+            .light = {light.view<Dimension::d2_array>(), sampler_},
             .peaks = {peaks_.view<Dimension::d2>(), sampler_}};
 }
 
@@ -288,49 +373,61 @@ void Tables::record_columns(rhi::Commands& commands) const {
 }
 
 void Tables::record_rows(rhi::Commands& commands, const Rows& rows) const {
-    const Sky sky = sky_of(commands, table_block_, moments_of(rows.order - 1));
+    const Sky sky = sky_of(commands, table_block_, light_of(rows.order - 1));
     const glm::ivec2 size(settings_.suns, settings_.altitudes);
-    const glm::ivec2 directions(settings_.zeniths, settings_.azimuths);
     const uint32_t texels = settings_.suns * rows.count;
-    // What is scattered once more: of the last order nothing is.
+    const uint32_t rings = texels * settings_.zeniths;
+    // What is scattered once more: of the last order nothing is, and its irradiance alone counts.
     const bool last = settings_.orders == rows.order;
-    const uint32_t first_layer = last ? layers() - 1 : 0;
+    const uint32_t first_layer = last ? irradiance_layer : 0;
+    const uint32_t layer_count = last ? 1 : layers();
+    const bool second_of_order = rows.source == Source::sun_by_aerosols;
 
     rhi::Pass pass = commands.pass("atmosphere.order");
     pass.dispatch(rays_pipeline_,
                   {.air = sky.block,
                    .air_columns = sky.columns,
-                   .air_moments = sky.moments,
+                   .air_light = sky.light,
                    .air_peaks = sky.peaks,
                    .rays = rays_.slice(),
                    .zeniths = zeniths_.slice()},
                   {.size = size,
-                   .directions = directions,
+                   .directions = glm::ivec2(settings_.zeniths, settings_.azimuths),
                    .first_row = int32_t(rows.first),
                    .rows = int32_t(rows.count),
-                   .order = int32_t(rows.order)},
-                  {rhi::groups_for(texels * settings_.zeniths * settings_.azimuths, 64)});
-    pass.dispatch(moments_pipeline_,
-                  {.air = sky.block,
-                   .moments = moments_of(rows.order).mip<Dimension::d2_array>(0),
-                   .sum = sum_.mip<Dimension::d2_array>(0),
-                   .rays = rays_.slice(),
-                   .zeniths = zeniths_.slice()},
+                   .first = glm::vec2(rows.source == Source::sun_by_molecules, second_of_order),
+                   .again = rows.source == Source::order_before,
+                   .ground = !second_of_order},
+                  {rhi::groups_for(rings * settings_.azimuths, 64)});
+    pass.dispatch(rings_pipeline_, {.rays = rays_.slice(), .rings = rings_.slice()},
+                  {.rings = int32_t(rings),
+                   .azimuths = int32_t(settings_.azimuths),
+                   .degree = int32_t(settings_.degree)},
+                  {rhi::groups_for(rings * (settings_.degree + 1), 64)});
+    pass.dispatch(gather_pipeline_,
+                  {.rings = rings_.slice(),
+                   .weights = weights_[second_of_order ? 1 : 0].slice(),
+                   .light = light_of(rows.order).mip<Dimension::d2_array>(0),
+                   .sum = sum_.mip<Dimension::d2_array>(0)},
                   {.size = size,
-                   .directions = directions,
                    .first_row = int32_t(rows.first),
                    .rows = int32_t(rows.count),
                    .first_layer = int32_t(first_layer),
-                   .layers = int32_t(layers() - first_layer),
-                   .order = int32_t(rows.order)},
-                  {rhi::groups_for(texels * (layers() - first_layer), 64)});
+                   .layers = int32_t(layer_count),
+                   .all_layers = int32_t(layers()),
+                   .zeniths = int32_t(settings_.zeniths),
+                   .degree = int32_t(settings_.degree),
+                   .directions = int32_t(settings_.directions),
+                   .add = second_of_order,
+                   .add_to_sum = rows.order > 1 || second_of_order},
+                  {rhi::groups_for(texels * layer_count, 64)});
 }
 
 void Tables::record_tail(rhi::Commands& commands) const {
     rhi::Pass pass = commands.pass("atmosphere.tail");
     pass.dispatch(tail_pipeline_,
-                  {.last = moments_of(settings_.iterations).mip<Dimension::d2_array>(0),
-                   .before = moments_of(settings_.iterations - 1).mip<Dimension::d2_array>(0),
+                  {.last = light_of(settings_.iterations).mip<Dimension::d2_array>(0),
+                   .before = light_of(settings_.iterations - 1).mip<Dimension::d2_array>(0),
                    .sum = sum_.mip<Dimension::d2_array>(0)},
                   {},
                   {rhi::groups_for(settings_.suns, 8), rhi::groups_for(settings_.altitudes, 8), layers()});
@@ -339,7 +436,8 @@ void Tables::record_tail(rhi::Commands& commands) const {
 uint64_t Tables::bytes() const {
     const uint64_t table = uint64_t(settings_.suns) * settings_.altitudes * layers();
     const uint64_t texels = 3 * table + uint64_t(settings_.columns) * settings_.columns + peak_texels;
-    return texels * sizeof(glm::vec4) + rays_.size() + zeniths_.size();
+    return texels * sizeof(glm::vec4) + rays_.size() + rings_.size() + zeniths_.size() + weights_[0].size() +
+           weights_[1].size();
 }
 
 Result<void> precompute(rhi::Device& device, const Tables& tables,

@@ -63,7 +63,7 @@ Result<std::vector<std::array<float, max_wavelengths>>> Probe::ask(
             .dispatch(pipeline_,
                       {.air = sky.block,
                        .air_columns = sky.columns,
-                       .air_moments = sky.moments,
+                       .air_light = sky.light,
                        .air_peaks = sky.peaks,
                        .questions = in->slice(),
                        .answers = out->slice()},

@@ -1,5 +1,6 @@
 #include "techniques/atmosphere/quadrature.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -53,6 +54,24 @@ double peak(const std::vector<double>& moments, uint32_t degree, uint32_t power,
         p = next;
     }
     return sum;
+}
+
+/// By the recurrence in the degree, which is stable upward.
+std::vector<double> harmonics(uint32_t m, uint32_t degree, double mu) {
+    std::vector<double> p;
+    const double sine = std::sqrt(std::max(1 - mu * mu, 0.0));
+    double value = std::sqrt((m == 0 ? 1 : 2) / (4 * std::numbers::pi)), before = 0;
+    for (uint32_t i = 1; i <= m; ++i) value *= sine * std::sqrt((2.0 * i - 1) / (2.0 * i));
+    value *= std::sqrt(2.0 * m + 1);
+    for (uint32_t l = m; l <= degree; ++l) {
+        p.push_back(value);
+        const double l2 = double(l) * l, m2 = double(m) * m, next2 = double(l + 1) * (l + 1);
+        const double next = std::sqrt((4 * next2 - 1) / (next2 - m2)) *
+                            (mu * value - (l > m ? std::sqrt((l2 - m2) / (4 * l2 - 1)) * before : 0));
+        before = value;
+        value = next;
+    }
+    return p;
 }
 
 }  // namespace lumo::atmosphere

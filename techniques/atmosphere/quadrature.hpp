@@ -20,4 +20,8 @@ std::vector<double> cornette_shanks_moments(double g, uint32_t degree);
 /// function, convolved with itself power - 1 times, without its lower degrees.
 double peak(const std::vector<double>& moments, uint32_t degree, uint32_t power, double nu);
 
+/// The associated Legendre functions of order m and degrees m … degree at mu, normalised so that times cos(m phi) they
+/// are orthonormal on the sphere.
+std::vector<double> harmonics(uint32_t m, uint32_t degree, double mu);
+
 }  // namespace lumo::atmosphere

@@ -28,24 +28,28 @@ Result<rhi::CacheKey> key_of(rhi::Device& device, const Tables& tables) {
 }  // namespace
 
 Result<std::vector<std::byte>> Tables::recipe(rhi::Device& device) const {
-    const std::array<uint64_t, 4> programs{
+    const std::array<uint64_t, 5> programs{
         shaders::atmosphere::columns::info().hash, shaders::atmosphere::rays::info().hash,
-        shaders::atmosphere::moments::info().hash, shaders::atmosphere::tail::info().hash};
-    const std::array<uint64_t, 9> numbers{settings_.orders.value_or(0),
-                                          settings_.iterations,
-                                          settings_.columns,
-                                          settings_.altitudes,
-                                          settings_.suns,
-                                          settings_.degree,
-                                          settings_.zeniths,
-                                          settings_.azimuths,
-                                          settings_.nodes};
+        shaders::atmosphere::rings::info().hash, shaders::atmosphere::gather::info().hash,
+        shaders::atmosphere::tail::info().hash};
+    const std::array<uint64_t, 10> numbers{settings_.orders.value_or(0),
+                                           settings_.iterations,
+                                           settings_.columns,
+                                           settings_.altitudes,
+                                           settings_.suns,
+                                           settings_.directions,
+                                           settings_.degree,
+                                           settings_.zeniths,
+                                           settings_.azimuths,
+                                           settings_.nodes};
     std::vector<std::byte> all;
-    for (const std::span<const std::byte> part :
-         {std::as_bytes(std::span(programs)), std::as_bytes(std::span(numbers)),
-          std::as_bytes(std::span(&block_, 1)), std::as_bytes(std::span(&table_block_, 1))})
+    for (const std::span<const std::byte> part : std::initializer_list<std::span<const std::byte>>{
+             std::as_bytes(std::span(programs)), std::as_bytes(std::span(numbers)),
+             std::as_bytes(std::span(&block_, 1)), std::as_bytes(std::span(&table_block_, 1))})
         all.insert(all.end(), part.begin(), part.end());
     return append(all, device.download(zeniths_.slice()))
+        .and_then([&] { return append(all, device.download(weights_[0].slice())); })
+        .and_then([&] { return append(all, device.download(weights_[1].slice())); })
         .and_then([&] { return append(all, device.download(peaks_, rhi::whole_mip(peaks_.desc()))); })
         .map([&] { return std::move(all); });
 }
