@@ -24,7 +24,7 @@ glm::dvec3 to_rgb(const std::vector<glm::dvec3>& weights, const Spectrum& spectr
 
 /// What gets through the air from the sun to a point, 0 to 1: the transmittance along a ray whose angle to the vertical
 /// has the cosine `mu`, times the visible part of the disc, by a smoothstep in the cosine over plus and minus angular
-/// radius · ground radius / distance from the centre about the geometric horizon. Within 1e-6.
+/// radius · ground radius / distance from the centre about the geometric horizon. Within 1e-5.
 Spectrum sun_transmittance(const Atmosphere& atmosphere, double altitude_km, double mu);
 
 /// The sun at the world's origin as a directional light; intensity 0 where it is below the horizon.

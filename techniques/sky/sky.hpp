@@ -53,6 +53,7 @@ class Sky {
 
     /// The map's texture, to read it back: level 0 has the radiances.
     const rhi::Texture& map() const { return map_; }
+    const rhi::Texture& radiance() const { return radiance_; }  ///< what record_pixels fills
 
   private:
     using Block = shaders::sky::map::Sky;

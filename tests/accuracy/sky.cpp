@@ -1,0 +1,377 @@
+// The sky in a frame against the numbers of the atmosphere that it is made of: what pixels see, what the map holds, and
+// what cones make of it.
+#include "techniques/sky/sky.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <glm/gtc/constants.hpp>
+#include <gtest/gtest.h>
+#include <numeric>
+
+#include "scene/builtin/builtin.hpp"
+#include "scene/builtin/geometry.hpp"
+#include "scene/sky.hpp"
+#include "techniques/atmosphere/stored.hpp"
+#include "techniques/frame/render.hpp"
+#include "tests/support/device_test.hpp"
+#include "tests/support/voxels.hpp"
+
+namespace lumo {
+namespace {
+
+using namespace testing_support;
+using atmosphere::Quantity;
+using atmosphere::Question;
+using frame::Layer;
+
+constexpr double pi = glm::pi<double>();
+constexpr double degree = pi / 180;
+
+sky::Settings quick() { return {.tables = atmosphere::settings_of(atmosphere::Preset::fast)}; }
+
+glm::vec3 sun_at(double zenith_deg) {
+    return glm::vec3(std::sin(zenith_deg * degree), std::cos(zenith_deg * degree), 0);
+}
+
+struct SkyTest : DeviceTest {
+    /// Answers to questions about Earth in linear Rec. 709.
+    std::vector<glm::dvec3> ask(const std::vector<Question>& questions) {
+        const scene::Atmosphere air = scene::earth();
+        const auto tables =
+            must(atmosphere::stored_or_precomputed(device(), air, quick().tables, rhi::DiskCache::of_user()));
+        const auto probe = must(atmosphere::Probe::create(device()));
+        const auto answers = must(probe.ask(device(), tables, questions));
+        const auto weights = scene::rgb_weights(air.wavelengths_nm);
+        std::vector<glm::dvec3> colors;
+        for (size_t i = 0; i < answers.size(); ++i) {
+            // Transmittance is that of sunlight.
+            const bool part = questions[i].quantity == Quantity::transmittance_segment;
+            glm::dvec3 sum(0), sunlight(0);
+            for (size_t w = 0; w < weights.size(); ++w) {
+                sum += weights[w] * double(answers[i][w]) * (part ? air.sun_irradiance[w] : 1);
+                sunlight += weights[w] * air.sun_irradiance[w];
+            }
+            colors.push_back(glm::max(part ? sum / sunlight : sum, 0.0));
+        }
+        return colors;
+    }
+    glm::dvec3 ask(const Question& question) { return ask(std::vector{question})[0]; }
+
+    frame::Rendered render(const scene::Scene& scene, const scene::Camera& camera, std::vector<Layer> layers,
+                           rhi::Extent size = {32, 18}) {
+        frame::Settings settings{.size = size,
+                                 .diffuse_materials = true,
+                                 .layers = std::move(layers),
+                                 .voxels = {.resolution = 32},
+                                 .sky = quick()};
+        return must(frame::render(device(), scene, camera, settings));
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Accuracy, SkyTest, both_apis, api_name);
+
+/// Looks at Earth's sky where nothing is before it, many times with the same tables.
+class Window {
+  public:
+    Window(rhi::Device& device, rhi::Extent size)
+        : device_(device),
+          size_(size),
+          nothing_(must(scene::GpuScene::create(device, {}, true))),
+          gbuffer_(must(gbuffer::GBuffer::create(device, size, gbuffer::needs_of(nothing_.view(), true)))),
+          sky_(must(sky::Sky::create(device, scene::earth(), quick()))) {
+        must(sky_.create_pixels(device, size));
+    }
+
+    /// Row 0 is the bottom.
+    Picture look(const scene::Sky& sky, const scene::Camera& camera) {
+        rhi::Commands commands = device_.begin();
+        const gbuffer::View seen =
+            gbuffer_.record(commands, nothing_.view(), gbuffer::camera_block(camera, size_));
+        sky_.record_pixels(commands, seen, sky, camera.position);
+        must(device_.wait(device_.submit(std::move(commands))));
+        return download(device_, sky_.radiance());
+    }
+
+  private:
+    rhi::Device& device_;
+    rhi::Extent size_;
+    scene::GpuScene nothing_;
+    gbuffer::GBuffer gbuffer_;
+    sky::Sky sky_;
+};
+
+/// At an altitude, looking at a zenith angle and an azimuth from the sun's, which is at +x.
+scene::Camera camera_at(double altitude_km, double zenith_deg, double azimuth_deg = 0,
+                        double fov_deg = 0.01) {
+    const glm::dvec3 way(std::sin(zenith_deg * degree) * std::cos(azimuth_deg * degree),
+                         std::cos(zenith_deg * degree),
+                         std::sin(zenith_deg * degree) * std::sin(azimuth_deg * degree));
+    const glm::dvec3 position(0, 1000 * altitude_km, 0);
+    // Far enough that the direction survives the float.
+    const double reach = 1e3 * (1 + altitude_km);
+    return {.position = glm::vec3(position),
+            .target = glm::vec3(position + reach * way),
+            .vertical_fov = float(fov_deg * degree),
+            .near_plane = 0.1f,
+            .far_plane = 1e6f};
+}
+
+glm::dvec3 pixel(const scene::ImageF& image, uint32_t x, uint32_t y) {
+    const float* value = image.at(x, y);
+    return {value[0], value[1], value[2]};
+}
+
+glm::dvec3 mean_of(const scene::ImageF& image) {
+    glm::dvec3 sum(0);
+    for (uint32_t y = 0; y < image.height; ++y)
+        for (uint32_t x = 0; x < image.width; ++x) sum += pixel(image, x, y);
+    return sum / double(image.width * image.height);
+}
+
+void expect_near(glm::dvec3 value, glm::dvec3 expected, double relative) {
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(value[c], expected[c], relative * std::max({expected.r, expected.g, expected.b})) << c;
+}
+
+TEST_P(SkyTest, PixelsAreTheAtmospheresRadiance) {
+    Window window(device(), {1, 1});
+    for (const double sun : {10.0, 85.0, 94.0}) {
+        for (const auto& [altitude, zenith, azimuth] : {std::tuple(0.002, 30.0, 40.0),
+                                                        {0.002, 89.0, 170.0},
+                                                        {10.0, 91.0, 60.0},
+                                                        {400.0, 109.0, 20.0}}) {
+            SCOPED_TRACE(fmt::format("sun {}, {} km, view {} {}", sun, altitude, zenith, azimuth));
+            const Picture seen =
+                window.look({.direction_to_sun = sun_at(sun)}, camera_at(altitude, zenith, azimuth));
+            expect_near(glm::dvec3(seen.texels[0]),
+                        ask({.altitude_km = altitude,
+                             .view_zenith_deg = zenith,
+                             .sun_zenith_deg = sun,
+                             .azimuth_deg = azimuth,
+                             .quantity = Quantity::radiance}),
+                        2e-3);
+        }
+    }
+}
+
+/// Straight down the ground is seen through the air.
+TEST_P(SkyTest, GroundIsLitBySunAndSky) {
+    scene::Scene scene;
+    set_sky(scene, {.direction_to_sun = sun_at(40)});
+    const auto rendered = render(scene, camera_at(400, 180), {Layer::radiance}, {1, 1});
+    const Question down{.altitude_km = 400, .view_zenith_deg = 180, .sun_zenith_deg = 40, .distance_km = 400};
+    const auto of = [&](Quantity quantity, double altitude) {
+        Question question = down;
+        question.quantity = quantity;
+        question.altitude_km = altitude;
+        return ask(question);
+    };
+    const glm::dvec3 reflected = 0.1 / pi *
+                                 (of(Quantity::sun_irradiance, 0) + of(Quantity::sky_irradiance, 0)) *
+                                 of(Quantity::transmittance_segment, 400);
+    // Products of colours are not colours of products, but near them.
+    expect_near(pixel(rendered.layers[0].linear, 0, 0), of(Quantity::radiance, 400) + reflected, 0.02);
+}
+
+/// The disc holds the light that its directional light gives, is darker at its limb, and is cut by the horizon.
+TEST_P(SkyTest, SunsDiscHoldsTheSunsIrradiance) {
+    constexpr uint32_t side = 48;
+    constexpr double fov = 0.8;
+    for (const double zenith : {0.0, 60.0, 85.0}) {
+        SCOPED_TRACE(zenith);
+        scene::Scene scene;
+        set_sky(scene, {.direction_to_sun = sun_at(zenith)});
+        const auto rendered =
+            render(scene, camera_at(0, std::max(zenith, 1e-4), 0, fov), {Layer::radiance}, {side, side});
+        const scene::ImageF& image = rendered.layers[0].linear;
+        const glm::dvec3 around = pixel(image, 0, 0);
+        glm::dvec3 sum(0);
+        for (uint32_t y = 0; y < side; ++y)
+            for (uint32_t x = 0; x < side; ++x) sum += pixel(image, x, y) - around;
+        const double pixel_angle = 2 * std::tan(0.5 * fov * degree) / side;
+        // What is scattered close to the sun is brighter than in the corner: a part in a thousand of the disc.
+        expect_near(sum * (pixel_angle * pixel_angle), glm::dvec3(scene.lights[0].intensity), 0.01);
+
+        const glm::dvec3 middle = pixel(image, side / 2, side / 2);
+        const uint32_t limb = side / 2 + uint32_t(0.9 * 0.2678 * degree / pixel_angle);
+        const glm::dvec3 near_limb = pixel(image, limb, side / 2);
+        EXPECT_LT(near_limb.g, 0.75 * middle.g);
+        EXPECT_LT(near_limb.b / middle.b, near_limb.r / middle.r) << "the limb is redder";
+    }
+    scene::Scene setting;
+    set_sky(setting, {.direction_to_sun = sun_at(90)});
+    const auto rendered = render(setting, camera_at(0, 90, 0, fov), {Layer::radiance}, {side, side});
+    const scene::ImageF& image = rendered.layers[0].linear;
+    EXPECT_GT(pixel(image, side / 2, side / 2 - 6).r, 100 * pixel(image, side / 2, side / 2 + 6).r);
+}
+
+TEST_P(SkyTest, AirLiesBeforeSurfaces) {
+    for (const double distance : {1.0, 20.0}) {
+        SCOPED_TRACE(distance);
+        scene::Scene scene;
+        const glm::vec3 emission(3, 2, 1);
+        add(scene,
+            scene::builtin::parallelogram({float(1000 * distance), 200, -1000}, {0, 0, 2000}, {0, 3000, 0}),
+            scene::Material{
+                .base_color = {0, 0, 0, 1}, .metallic = 0, .emission = emission, .double_sided = true});
+        set_sky(scene, {.direction_to_sun = sun_at(50)});
+        const auto rendered =
+            render(scene, camera_at(1, 90, 0), {Layer::radiance, Layer::direct, Layer::emission}, {1, 1});
+        const Question question{.altitude_km = 1,
+                                .view_zenith_deg = 90,
+                                .sun_zenith_deg = 50,
+                                .distance_km = distance,
+                                .quantity = Quantity::inscatter};
+        Question through = question;
+        through.quantity = Quantity::transmittance_segment;
+        expect_near(pixel(rendered.layers[0].linear, 0, 0),
+                    ask(question) + glm::dvec3(emission) * ask(through), 3e-3);
+        EXPECT_EQ(rendered.layers[2].linear.values, (std::vector<float>{3, 2, 1})) << "of the surface itself";
+    }
+}
+
+/// Level 0 is the sky as its irradiance has it; the others are its means over cones.
+TEST_P(SkyTest, MapHasTheSkysIrradianceAndItsConesMeans) {
+    for (const double zenith : {30.0, 80.0}) {
+        SCOPED_TRACE(zenith);
+        const scene::Sky scene_sky{.direction_to_sun = sun_at(zenith)};
+        auto sky = must(sky::Sky::create(device(), scene_sky.atmosphere, quick()));
+        rhi::Commands commands = device().begin();
+        sky.record_map(commands, scene_sky);
+        must(device().wait(device().submit(std::move(commands))));
+        constexpr uint32_t rows = 256;
+        const scene::ImageF map = must(sky::download_map(device(), sky, rows));
+        const auto each_direction = [&](const auto& take) {
+            for (uint32_t y = 0; y < rows; ++y) {
+                for (uint32_t x = 0; x < 2 * rows; ++x) {
+                    const double polar = pi * (y + 0.5) / rows, azimuth = pi * (x + 0.5) / rows;
+                    take(glm::dvec3(std::sin(polar) * std::cos(azimuth), std::cos(polar),
+                                    std::sin(polar) * std::sin(azimuth)),
+                         pixel(map, x, y), std::sin(polar) * (pi / rows) * (pi / rows));
+                }
+            }
+        };
+        glm::dvec3 irradiance(0);
+        each_direction([&](glm::dvec3 direction, glm::dvec3 radiance, double solid_angle) {
+            irradiance += radiance * std::max(direction.y, 0.0) * solid_angle;
+        });
+        expect_near(irradiance, ask({.sun_zenith_deg = zenith, .quantity = Quantity::sky_irradiance}), 0.02);
+
+        for (uint32_t level = 1; level < 5; ++level) {
+            SCOPED_TRACE(level);
+            const auto bytes = must(device().download(sky.map(), rhi::whole_mip(sky.map().desc(), level)));
+            const auto texels = values_of<glm::vec4>(bytes);
+            const uint32_t side = 128 >> level;
+            const double half_sine = 0.0828 * double(1u << (level - 1));
+            const double cosine = 1 - 2 * half_sine * half_sine;
+            // Up, along the slope between axes, and toward the sun's side; by shaders/sky/octahedron.glsl.
+            for (const glm::dvec2 at : {glm::dvec2(0.5, 0.5), {0.3, 0.6}, {0.8, 0.5}, {0.95, 0.9}}) {
+                const glm::uvec2 texel(glm::round(at * double(side - 1)));
+                const glm::dvec2 place = 2.0 * glm::dvec2(texel) / double(side - 1) - 1.0;
+                const double height = 1 - std::abs(place.x) - std::abs(place.y);
+                const glm::dvec2 folded = height >= 0
+                                              ? place
+                                              : glm::dvec2((1 - std::abs(place.y)) * (place.x < 0 ? -1 : 1),
+                                                           (1 - std::abs(place.x)) * (place.y < 0 ? -1 : 1));
+                const glm::dvec3 axis = glm::normalize(glm::dvec3(folded.x, height, folded.y));
+                glm::dvec3 sum(0);
+                double weight = 0;
+                each_direction([&](glm::dvec3 direction, glm::dvec3 radiance, double solid_angle) {
+                    if (glm::dot(direction, axis) < cosine) return;
+                    sum += radiance * solid_angle;
+                    weight += solid_angle;
+                });
+                expect_near(glm::dvec3(texels[texel.y * side + texel.x]), sum / weight, 0.04);
+            }
+        }
+    }
+}
+
+/// A lone level plane has the whole sky over it. What remains is the cones' own: each takes the mean of its circle.
+TEST_P(SkyTest, ConesGatherTheSkysIrradiance) {
+    for (const double zenith : {30.0, 75.0, 94.0}) {
+        scene::Scene scene;
+        add(scene, scene::builtin::parallelogram({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}),
+            diffuse(glm::vec3(0.5f)));
+        set_sky(scene, {.direction_to_sun = sun_at(zenith)});
+        const scene::Camera above{.position = {0, 4, 0.5f}, .target = {0, 0, 0}, .vertical_fov = 0.5f};
+        const auto rendered = render(scene, above, {Layer::irradiance});
+        const glm::dvec3 gathered = mean_of(rendered.layers[0].linear);
+        const glm::dvec3 truth = ask({.sun_zenith_deg = zenith, .quantity = Quantity::sky_irradiance});
+        RecordProperty(fmt::format("sun_{}", zenith),
+                       fmt::format("{:+.3f} {:+.3f} {:+.3f}", gathered.r / truth.r - 1,
+                                   gathered.g / truth.g - 1, gathered.b / truth.b - 1));
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(gathered[c] / truth[c], 1, 0.12) << zenith << " " << c;
+    }
+}
+
+TEST_P(SkyTest, ExtremesAreFiniteAndNotNegative) {
+    for (const double sun : {0.0, 90.0, 94.0, 108.0, 180.0}) {
+        scene::Scene scene = must(scene::make_builtin("sky"));
+        set_sky(scene, {.direction_to_sun = sun_at(sun)});
+        for (const auto& [altitude, zenith] : {std::pair(0.0, 90.0),
+                                               {1e-6, 90.0},
+                                               {0.0, 180.0},
+                                               {0.0, 0.0},
+                                               {60.0, 100.0},
+                                               {1e4, 160.0},
+                                               {1e4, 90.0}}) {
+            const auto rendered = render(scene, camera_at(altitude, zenith, 20, 50),
+                                         {Layer::radiance, Layer::irradiance}, {24, 16});
+            for (const frame::LayerImage& layer : rendered.layers)
+                for (const float value : layer.linear.values)
+                    ASSERT_TRUE(std::isfinite(value) && value >= 0)
+                        << value << ": sun " << sun << ", " << altitude << " km, view " << zenith;
+        }
+    }
+}
+
+/// Frames as the camera climbs: each between its neighbours, within a small part of the frame.
+TEST_P(SkyTest, ClimbsWithoutAStep) {
+    Window window(device(), {4, 4});
+    for (const double view : {60.0, 88.0, 92.0}) {
+        std::vector<double> means;
+        constexpr int frames = 101;
+        for (int i = 0; i < frames; ++i) {
+            const Picture seen = window.look({.direction_to_sun = sun_at(70)}, camera_at(i, view, 90, 1));
+            double sum = 0;
+            for (const glm::vec4& texel : seen.texels) sum += double(texel.g);
+            means.push_back(sum / double(seen.texels.size()));
+        }
+        double worst = 0;
+        for (size_t i = 2; i + 2 < frames; ++i) {
+            const double smooth = (4 * (means[i - 1] + means[i + 1]) - means[i - 2] - means[i + 2]) / 6;
+            worst = std::max(worst, std::abs(means[i] - smooth) / (means[i] + 0.01 * means[0]));
+        }
+        RecordProperty(fmt::format("view_{}", view), fmt::format("{:.4f}", worst));
+        EXPECT_LT(worst, 0.02) << view;
+    }
+}
+
+/// From eye height, a hundred rows within 0.1 degrees of the horizon: above it the sky changes smoothly, below it the
+/// ground does.
+TEST_P(SkyTest, HorizonHasNoSeam) {
+    constexpr uint32_t rows = 100;
+    Window window(device(), {2, rows});
+    for (const double sun : {30.0, 88.0}) {
+        const double dip = std::sqrt(2 * 0.0017 / 6360) / degree;
+        const Picture seen =
+            window.look({.direction_to_sun = sun_at(sun)}, camera_at(0.0017, 90 + dip, 120, 0.2));
+        std::vector<uint32_t> bends;
+        for (uint32_t y = 1; y + 1 < rows; ++y) {
+            const double bend =
+                double(seen.at(0, y + 1).g) - 2 * double(seen.at(0, y).g) + double(seen.at(0, y - 1).g);
+            if (std::abs(bend) > 0.01 * double(seen.at(0, y).g)) bends.push_back(y);
+        }
+        // The edge itself, by what lies on both of its sides.
+        EXPECT_LE(bends.size(), 2u) << sun;
+        for (const uint32_t row : bends) EXPECT_NEAR(row, 0.5 * rows, 2) << sun;
+    }
+}
+
+TEST_P(SkyTest, RefusesMapsOfOddSizes) {
+    for (const uint32_t side : {0u, 16u, 100u, 4096u})
+        EXPECT_FALSE(sky::Sky::create(device(), scene::earth(), {.map_side = side}));
+}
+
+}  // namespace
+}  // namespace lumo
