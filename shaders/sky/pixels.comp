@@ -10,7 +10,8 @@ const int atmosphere_binding = 0;
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(push_constant) uniform Push {
-    int add;  // 1: to what other wavelengths gave
+    int add;     // 1: to what other wavelengths gave
+    int behind;  // 1: pixels where nothing was drawn; 0: the others
 } push;
 
 layout(binding = 6) uniform sampler2D depth;
@@ -37,6 +38,7 @@ void main() {
     if (any(greaterThanEqual(pixel, imageSize(radiance)))) return;
 
     float pixel_depth = texelFetch(depth, pixel, 0).r;
+    if ((pixel_depth == 1.0) != (push.behind == 1)) return;
     vec2 at = vec2(pixel) + 0.5;
     bool perspective = camera.eye.w > 0.0;
     Seen seen;

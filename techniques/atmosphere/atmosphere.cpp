@@ -352,7 +352,11 @@ Sky Tables::sky_of(rhi::Commands& commands, const Block& block, const rhi::Textu
             .peaks = {peaks_.view<Dimension::d2>(), sampler_}};
 }
 
-Sky Tables::sky(rhi::Commands& commands) const { return sky_of(commands, block_, sum_); }
+Sky Tables::sky(rhi::Commands& commands, std::optional<uint32_t> nodes) const {
+    Block block = block_;
+    if (nodes) set_quadrature(block, std::clamp(*nodes, 4u, max_nodes));
+    return sky_of(commands, block, sum_);
+}
 
 void Tables::record(rhi::Commands& commands, uint32_t step) const {
     if (const auto* rows = std::get_if<Rows>(&steps_[step])) {

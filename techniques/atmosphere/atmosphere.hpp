@@ -68,8 +68,9 @@ class Tables {
     /// `step` is below steps().
     void record(rhi::Commands& commands, uint32_t step) const;
 
-    /// For programs of this submission.
-    Sky sky(rhi::Commands& commands) const;
+    /// For programs of this submission; `nodes` in place of Settings::nodes, 4 to 16: few are enough for rays that end
+    /// within a few km.
+    Sky sky(rhi::Commands& commands, std::optional<uint32_t> nodes = {}) const;
 
     const Settings& settings() const { return settings_; }
     /// Of the device's memory that is held.

@@ -132,7 +132,7 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
     std::optional<rhi::Sampled<rhi::Dimension::d3>> sky_map;
     std::optional<sky::Pixels> sky_pixels;
     if (sky_map_) sky_map = sky_->record_map(commands, sky);
-    if (sky_pixels_) sky_pixels = sky_->record_pixels(commands, gbuffer, sky, inputs.camera.position);
+    if (sky_pixels_) sky_pixels = sky_->record_pixels(commands, gbuffer, sky, inputs.camera);
 
     std::optional<cones::Source> source;
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance, ao;

@@ -18,6 +18,9 @@ using rhi::Dimension;
 constexpr uint32_t map_levels = 5;         // of shaders/sky/map.glsl
 constexpr uint32_t samples_of_first = 64;  // cones of level 1; each level has twice as many
 constexpr uint32_t group_side = 8;
+// Rays that end nearer than this are as good by the fewest nodes of the quadrature; cones are by half of the most.
+constexpr float near_metres = 2e3f;
+constexpr uint32_t least_nodes = 4, map_nodes = 8;
 
 /// A row for each channel: the weights of up to four wavelengths, from one on.
 void set_weights(shaders::sky::map::Sky& block, const std::vector<glm::dvec3>& weights,
@@ -153,7 +156,7 @@ rhi::Sampled<Dimension::d3> Sky::record_map(rhi::Commands& commands, const scene
     rhi::Pass pass = commands.pass("sky.map");
     const uint32_t side = map_.desc().extent.width;
     for (size_t i = 0; i < parts_.size(); ++i) {
-        const atmosphere::Sky tables = parts_[i].tables.sky(commands);
+        const atmosphere::Sky tables = parts_[i].tables.sky(commands, map_nodes);
         const uint32_t groups = rhi::groups_for(side, group_side);
         pass.dispatch(map_pipeline_,
                       {.air = tables.block,
@@ -175,23 +178,27 @@ rhi::Sampled<Dimension::d3> Sky::record_map(rhi::Commands& commands, const scene
 }
 
 Pixels Sky::record_pixels(rhi::Commands& commands, const gbuffer::View& gbuffer, const scene::Sky& sky,
-                          glm::vec3 position) {
+                          const scene::Camera& camera) {
     rhi::Pass pass = commands.pass("sky.pixels");
+    const rhi::Groups groups{rhi::groups_for(gbuffer.size.width, group_side),
+                             rhi::groups_for(gbuffer.size.height, group_side)};
     for (size_t i = 0; i < parts_.size(); ++i) {
-        const atmosphere::Sky tables = parts_[i].tables.sky(commands);
-        pass.dispatch(pixels_pipeline_,
-                      {.air = tables.block,
-                       .air_columns = tables.columns,
-                       .air_light = tables.light,
-                       .air_peaks = tables.peaks,
-                       .camera = gbuffer.camera,
-                       .sky = commands.uniform(block(parts_[i], sky, position)),
-                       .depth = {gbuffer.depth, point_sampler_},
-                       .radiance = radiance_.view<Dimension::d2>(),
-                       .transmittance = transmittance_.view<Dimension::d2>()},
-                      {.add = i > 0},
-                      {rhi::groups_for(gbuffer.size.width, group_side),
-                       rhi::groups_for(gbuffer.size.height, group_side)});
+        for (const bool behind : {true, false}) {
+            const bool near = !behind && camera.far_plane <= near_metres;
+            const atmosphere::Sky tables =
+                parts_[i].tables.sky(commands, near ? std::optional(least_nodes) : std::nullopt);
+            pass.dispatch(pixels_pipeline_,
+                          {.air = tables.block,
+                           .air_columns = tables.columns,
+                           .air_light = tables.light,
+                           .air_peaks = tables.peaks,
+                           .camera = gbuffer.camera,
+                           .sky = commands.uniform(block(parts_[i], sky, camera.position)),
+                           .depth = {gbuffer.depth, point_sampler_},
+                           .radiance = radiance_.view<Dimension::d2>(),
+                           .transmittance = transmittance_.view<Dimension::d2>()},
+                          {.add = i > 0, .behind = behind}, groups);
+        }
     }
     return {.radiance = radiance_.view<Dimension::d2>(),
             .transmittance = transmittance_.view<Dimension::d2>()};

@@ -47,9 +47,9 @@ class Sky {
     rhi::Sampled<rhi::Dimension::d3> record_map(rhi::Commands& commands, const scene::Sky& sky);
 
     /// What lies between the camera and the surfaces of the G-buffer, and behind: the planet's ground and, with the sun's
-    /// disc, the sky. `position`: the camera's.
+    /// disc, the sky.
     Pixels record_pixels(rhi::Commands& commands, const gbuffer::View& gbuffer, const scene::Sky& sky,
-                         glm::vec3 position);
+                         const scene::Camera& camera);
 
     /// The map's texture, to read it back: level 0 has the radiances.
     const rhi::Texture& map() const { return map_; }
