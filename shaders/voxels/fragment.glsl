@@ -3,7 +3,8 @@
 //   - MARKS, a binding: voxels are marked in an occupancy volume (voxels/occupancy.glsl), and nothing else is
 //     evaluated than whether the fragment is there;
 //   - or EMISSION_TEXTURE, a binding, those of voxels/accumulate.glsl, and those of voxels/octree_cells.glsl, which says
-//     where in the accumulator a voxel has its sums.
+//     where in the accumulator a voxel has its sums; and BLOCK_MARKS, a binding: which blocks of a dense volume hold
+//     something (voxels/block_list.glsl).
 
 #include "common/voxel_grid.glsl"
 #include "common/material.glsl"
@@ -51,12 +52,21 @@ void keep_fragment(VoxelFragment f) {
 #include "voxels/accumulate.glsl"
 #include "voxels/octree_cells.glsl"
 
+layout(binding = BLOCK_MARKS, std430) buffer BlockMarks { uint data[]; } block_marks;
+
+void mark_block(ivec3 voxel) {
+    ivec3 block = voxel >> 2;
+    int side = int(push.resolution) >> 2;
+    atomicOr(block_marks.data[(block.z * side + block.y) * side + block.x], 1u);
+}
+
 void keep_fragment(VoxelFragment f) {
     vec4 base = base_color_of(f);
     if (alpha_test && base.a < material.alpha_cutoff) return;
     ivec3 cell = cell_of_voxel(f.voxel);
     // The octree has no room for it.
     if (cell.x < 0) return;
+    if (octree_levels == 0) mark_block(f.voxel);
     // At least 1, so that a fragment of any slope marks its voxel.
     float weight = max(floor(f.share * weight_unit + 0.5), 1.0);
     vec3 value = base.rgb;

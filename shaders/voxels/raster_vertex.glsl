@@ -12,6 +12,7 @@
 #define GEOMETRY_INSTANCES 2
 #include "common/geometry.glsl"
 #include "common/voxel_grid.glsl"
+#include "voxels/surface_share.glsl"
 #include "voxels/voxelize_push.glsl"
 
 #define VARYING out
@@ -43,18 +44,13 @@ void main() {
     anchor = p[0];
     vec3 front = normal / max(doubled_area, 1e-30) * instance_handedness(instance);
     facing = axis == 0u ? front.zxy : axis == 1u ? front.yzx : front;
-    // A projection thinner than this covers no column's centre line, or none that another axis would not mark.
-    bool edge_on = !(abs(normal.z) > 1e-4 * doubled_area) || isinf(doubled_area);
+    bool seen = is_seen(normal.z, doubled_area);
     extent = vec2(min(p[0].z, min(p[1].z, p[2].z)), max(p[0].z, max(p[1].z, p[2].z)));
-    slope = edge_on ? vec2(0) : -normal.xy / normal.z;
-    // A fragment of this projection stands for 1 / |n_axis| of area. Weighting by |n_axis|² makes the three
-    // projections one estimate of the area: sum of n_axis² is 1.
-    share = edge_on ? 0.0 : abs(normal.z) / doubled_area;
+    slope = seen ? -normal.xy / normal.z : vec2(0);
+    share = seen ? share_of(normal.z, doubled_area) : 0.0;
+    uv_per_voxel = seen ? uv_per_voxel_of(vec2[](corner[0].uv0, corner[1].uv0, corner[2].uv0),
+                                          vec2[](corner[0].uv1, corner[1].uv1, corner[2].uv1), doubled_area)
+                        : vec2(0);
 
-    vec2 d0 = corner[1].uv0 - corner[0].uv0, e0 = corner[2].uv0 - corner[0].uv0;
-    vec2 d1 = corner[1].uv1 - corner[0].uv1, e1 = corner[2].uv1 - corner[0].uv1;
-    uv_per_voxel = edge_on ? vec2(0)
-                           : sqrt(abs(vec2(d0.x * e0.y - d0.y * e0.x, d1.x * e1.y - d1.y * e1.x)) / doubled_area);
-
-    gl_Position = edge_on ? vec4(0, 0, 0, 1) : vec4(p[c].xy / float(push.resolution) * 2.0 - 1.0, 0.5, 1.0);
+    gl_Position = seen ? vec4(p[c].xy / float(push.resolution) * 2.0 - 1.0, 0.5, 1.0) : vec4(0, 0, 0, 1);
 }

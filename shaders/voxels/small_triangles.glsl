@@ -10,27 +10,48 @@ layout(binding = LARGE_LIST, std430) writeonly buffer LargeList {
 
 layout(local_size_x = 64) in;
 
-void voxelize_along(Triangle t, Surface s, int axis, Projection projection) {
-    ivec2 start = center_of(projection.first);
-    ivec2 along[3];
-    ivec3 row;
-    for (int i = 0; i < 3; ++i) {
-        ivec2 from = projection.corner[i] - start;
-        along[i] = projection.corner[(i + 1) % 3] - projection.corner[i];
-        row[i] = along[i].y * from.x - along[i].x * from.y - (holds(along[i]) ? 0 : 1);
-    }
-    ivec3 step_x = -ivec3(along[0].y, along[1].y, along[2].y) * voxel_units;
-    ivec3 step_y = ivec3(along[0].x, along[1].x, along[2].x) * voxel_units;
-    for (int y = 0; y < projection.size.y; ++y) {
-        ivec3 edges = row;
-        for (int x = 0; x < projection.size.x; ++x) {
-            if ((edges.x | edges.y | edges.z) >= 0) {
-                keep_column(t, s, axis, projection.first + ivec2(x, y), vec3(edges.yzx) + 1.0, projection.turned);
-            }
-            edges += step_x;
+// Which columns of a small triangle's bounds it covers: a bit each, along x first, row by row, axis by axis.
+uvec4 covered_columns(Triangle t) {
+    uvec4 covered = uvec4(0);
+    int first = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        Projection projection = project(t, axis);
+        ivec3 row, step_x, step_y;
+        for (int i = 0; i < 3; ++i) {
+            ivec2 along = projection.corner[(i + 1) % 3] - projection.corner[i];
+            ivec2 to = center_of(projection.first) - projection.corner[i];
+            row[i] = along.x * to.y - along.y * to.x - (holds(along) ? 0 : 1);
+            step_x[i] = -along.y * voxel_units;
+            step_y[i] = along.x * voxel_units;
         }
-        row += step_y;
+        int end = first + projection.size.x * projection.size.y;
+        if (projection.seen && first < end) {
+            ivec3 edges = row;
+            int x = 0, place = first;
+            do {
+                uint bit = (edges.x | edges.y | edges.z) >= 0 ? 1u << (place & 31) : 0u;
+                covered |= mix(uvec4(0), uvec4(bit), equal(ivec4(place >> 5), ivec4(0, 1, 2, 3)));
+                ++x;
+                bool row_ends = x == projection.size.x;
+                row += row_ends ? step_y : ivec3(0);
+                edges = row_ends ? row : edges + step_x;
+                x = row_ends ? 0 : x;
+                ++place;
+            } while (place < end);
+        }
+        first = end;
     }
+    return covered;
+}
+
+// A fragment of the column that such a bit stands for.
+void keep_covered(Triangle t, Surface s, int number) {
+    ivec3 counts = t.size.yzx * t.size.zxy;
+    int axis = number < counts.x ? 0 : number < counts.x + counts.y ? 1 : 2;
+    int place = number - (axis > 0 ? counts.x : 0) - (axis > 1 ? counts.y : 0);
+    int width = across(t.size, axis).x;
+    int y = int((float(place) + 0.5) / float(width));
+    keep_column(t, s, axis, across(t.first, axis) + ivec2(place - y * width, y));
 }
 
 void voxelize_triangle(uint instance, uint triangle) {
@@ -44,19 +65,29 @@ void voxelize_triangle(uint instance, uint triangle) {
         atomicMax(large_arguments.data[push.draw].groups_x, min(place + 1u, max_large_groups));
         large_list.data[push.first_large + place] = instance * push.triangles + triangle;
     }
-    if (columns > 0 && small) {
+    // Found before any fragment is kept, so that threads side by side all have one each time.
+    uvec4 covered = uvec4(0);
+    if (columns > 0 && small) covered = covered_columns(t);
+    if (covered != uvec4(0)) {
         Surface s = fetch_surface(t);
-        for (int axis = 0; axis < 3; ++axis) voxelize_along(t, s, axis, project(t, axis));
+        do {
+            int word = covered.x != 0u ? 0 : covered.y != 0u ? 1 : covered.z != 0u ? 2 : 3;
+            uint bits = word == 0 ? covered.x : word == 1 ? covered.y : word == 2 ? covered.z : covered.w;
+            keep_covered(t, s, 32 * word + findLSB(bits));
+            covered = mix(covered, uvec4(bits & (bits - 1u)), equal(ivec4(word), ivec4(0, 1, 2, 3)));
+        } while (covered != uvec4(0));
     }
 }
 
 void main() {
     // The same for a whole group, which then reads an instance once.
     uint instance = gl_WorkGroupID.y + gl_WorkGroupID.z * gl_NumWorkGroups.y;
-    if (instance < push.instances) {
-        for (uint triangle = gl_GlobalInvocationID.x; triangle < push.triangles;
-             triangle += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+    uint triangle = gl_GlobalInvocationID.x;
+    // Software drivers run a loop once more for nothing if its condition comes first.
+    if (instance < push.instances && triangle < push.triangles) {
+        do {
             voxelize_triangle(instance, triangle);
-        }
+            triangle += gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+        } while (triangle < push.triangles);
     }
 }

@@ -8,6 +8,7 @@
 #define GEOMETRY_INDICES 1
 #define GEOMETRY_INSTANCES 2
 #include "common/geometry.glsl"
+#include "voxels/surface_share.glsl"
 #define MATERIAL 3
 #define BASE_COLOR_TEXTURE 4
 #include "voxels/fragment.glsl"
@@ -18,7 +19,7 @@ const float farthest_corner = 2097152.0;
 
 // What a small triangle is. At most so many columns are worth one thread's while, and with so short sides all of its
 // arithmetic fits 32 bits.
-const int small_columns = 128;
+const int small_columns = 128;  // a bit each of a uvec4
 const int small_side = 63 * voxel_units;
 
 struct Triangle {
@@ -70,24 +71,21 @@ ivec2 across(ivec3 v, int axis) { return axis == 0 ? v.yz : axis == 1 ? v.zx : v
 struct Projection {
     ivec2 corner[3];  // counter-clockwise, in units of 1 / voxel_units of a voxel
     ivec2 first;      // the least column that may be covered
-    ivec2 size;       // columns from there on; 0: none is covered
-    bool turned;      // corners 1 and 2 have changed places
+    ivec2 size;       // columns from there on
+    bool seen;        // it may cover columns
 };
 
 Projection project(Triangle t, int axis) {
     float cosine = projected(t.normal, axis).z;
     Projection projection;
-    projection.turned = cosine < 0.0;
+    bool turned = cosine < 0.0;
     projection.corner[0] = across(t.snapped[0], axis);
     ivec2 b = across(t.snapped[1], axis), c = across(t.snapped[2], axis);
-    projection.corner[1] = projection.turned ? c : b;
-    projection.corner[2] = projection.turned ? b : c;
+    projection.corner[1] = turned ? c : b;
+    projection.corner[2] = turned ? b : c;
     projection.first = across(t.first, axis);
     projection.size = across(t.size, axis);
-    // A projection thinner than this covers no column's centre line, or none that another axis would not mark.
-    // Written so that what is not a number is left out.
-    bool seen = abs(cosine) > 1e-4 * t.doubled_area && t.doubled_area < 1e30;
-    if (!seen) projection.size = ivec2(0);
+    projection.seen = is_seen(cosine, t.doubled_area);
     return projection;
 }
 
@@ -113,16 +111,13 @@ Surface fetch_surface(Triangle t) {
         s.uv1[i] = vertex.uv1;
         s.color[i] = vertex.color;
     }
-    vec2 d0 = s.uv0[1] - s.uv0[0], e0 = s.uv0[2] - s.uv0[0];
-    vec2 d1 = s.uv1[1] - s.uv1[0], e1 = s.uv1[2] - s.uv1[0];
-    s.uv_per_voxel = sqrt(abs(vec2(d0.x * e0.y - d0.y * e0.x, d1.x * e1.y - d1.y * e1.x)) / t.doubled_area);
+    s.uv_per_voxel = uv_per_voxel_of(s.uv0, s.uv1, t.doubled_area);
     s.facing = t.normal / t.doubled_area * instance_handedness(t.instance);
     return s;
 }
 
-// A column that the triangle covers. `inside`: barycentric coordinates, up to a factor, in the order of
-// Projection::corner.
-void keep_column(Triangle t, Surface s, int axis, ivec2 column, vec3 inside, bool turned) {
+// A column that the triangle covers.
+void keep_column(Triangle t, Surface s, int axis, ivec2 column) {
     vec3 normal = projected(t.normal, axis);
     vec3 anchor = projected(t.p[0], axis);
     float z1 = projected(t.p[1], axis).z, z2 = projected(t.p[2], axis).z;
@@ -132,12 +127,15 @@ void keep_column(Triangle t, Surface s, int axis, ivec2 column, vec3 inside, boo
     ivec3 voxel = ivec3(floor(unprojected(vec3(vec2(column), height), axis)));
     if (!inside_grid(voxel, int(push.resolution))) return;
 
-    vec3 weights = (turned ? inside.xzy : inside) / (inside.x + inside.y + inside.z);
+    // Barycentric coordinates, up to a factor.
+    vec2 to[3];
+    for (int i = 0; i < 3; ++i) to[i] = vec2(across(t.snapped[i], axis) - center_of(column));
+    vec3 inside = vec3(to[1].x * to[2].y - to[1].y * to[2].x, to[2].x * to[0].y - to[2].y * to[0].x,
+                       to[0].x * to[1].y - to[0].y * to[1].x);
+    vec3 weights = inside / (inside.x + inside.y + inside.z);
     VoxelFragment f;
     f.voxel = voxel;
-    // A fragment of this projection stands for 1 / |n_axis| of area. Weighting by |n_axis|² makes the three
-    // projections one estimate of the area: sum of n_axis² is 1.
-    f.share = abs(normal.z) / t.doubled_area;
+    f.share = share_of(normal.z, t.doubled_area);
     f.uv0 = weights.x * s.uv0[0] + weights.y * s.uv0[1] + weights.z * s.uv0[2];
     f.uv1 = weights.x * s.uv1[0] + weights.y * s.uv1[1] + weights.z * s.uv1[2];
     f.color = weights.x * s.color[0] + weights.y * s.color[1] + weights.z * s.color[2];

@@ -5,4 +5,5 @@
 #define EXCHANGED 9
 #define FLOATS 10
 #define DROPPED 11
+#define BLOCK_MARKS 12
 #include "voxels/raster_fragment.glsl"

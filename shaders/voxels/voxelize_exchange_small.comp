@@ -7,4 +7,5 @@
 #define EXCHANGED 11
 #define FLOATS 12
 #define DROPPED 13
+#define BLOCK_MARKS 14
 #include "voxels/small_triangles.glsl"

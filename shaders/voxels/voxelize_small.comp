@@ -4,4 +4,5 @@
 #define LARGE_LIST 8
 #define OCTREE_NODES 9
 #define OCTREE_RECORDS 10
+#define BLOCK_MARKS 11
 #include "voxels/small_triangles.glsl"

@@ -17,6 +17,7 @@ Result<LightVolume> LightVolume::create(rhi::Device& device, const std::string& 
     Result<rhi::Texture> base = device.create_texture(desc);
     if (!base) return tl::unexpected(base.error());
     volume.base = std::move(*base);
+    empty_volumes(device, {&volume.base});
     if (mips == MipKind::isotropic) return volume;
 
     const uint32_t half = resolution / 2;
@@ -26,6 +27,7 @@ Result<LightVolume> LightVolume::create(rhi::Device& device, const std::string& 
     Result<rhi::Texture> directions = device.create_texture(desc);
     if (!directions) return tl::unexpected(directions.error());
     volume.directions = std::move(*directions);
+    empty_volumes(device, {&volume.directions});
     return volume;
 }
 
@@ -41,47 +43,50 @@ Result<Mips> Mips::create(rhi::Device& device, MipKind kind) {
                             .create_sampler({.magnification = rhi::FilterMode::nearest,
                                              .minification = rhi::FilterMode::nearest})
                             .map(keep(mips.point_sampler_));
-    if (made && kind == MipKind::isotropic) {
-        made = device.create_compute_pipeline<shaders::voxels::mip>().map(keep(mips.isotropic_));
-    }
-    if (made && kind == MipKind::anisotropic) {
-        made = device.create_compute_pipeline<shaders::voxels::mip_first_directional>().map(
-            keep(mips.first_directional_));
-    }
-    if (made && kind == MipKind::anisotropic) {
-        made = device.create_compute_pipeline<shaders::voxels::mip_directional>().map(
-            keep(mips.next_directional_));
+    // What is bound where no block is listed.
+    if (made) made = device.create_buffer({.name = "voxels.all_blocks", .size = 36}).map(keep(mips.no_list_));
+    for (const bool listed : {false, true}) {
+        if (made && kind == MipKind::isotropic) {
+            made = device.create_compute_pipeline<shaders::voxels::mip>({.listed = listed})
+                       .map(keep(mips.isotropic_[listed]));
+        }
+        if (made && kind == MipKind::anisotropic) {
+            made = device.create_compute_pipeline<shaders::voxels::mip_first_directional>({.listed = listed})
+                       .map(keep(mips.first_directional_[listed]));
+        }
+        if (made && kind == MipKind::anisotropic) {
+            made = device.create_compute_pipeline<shaders::voxels::mip_directional>({.listed = listed})
+                       .map(keep(mips.next_directional_[listed]));
+        }
     }
     if (!made) return tl::unexpected(made.error());
     return mips;
 }
 
-void Mips::record(rhi::Pass& pass, const LightVolume& volume) const {
+void Mips::record(rhi::Pass& pass, const LightVolume& volume, const Blocks* blocks) const {
     const rhi::Texture& target = volume.directions ? volume.directions : volume.base;
-    const auto finer = [&](const rhi::Texture& texture, uint32_t level) {
-        return rhi::Sampled<Dimension::d3>(texture.mip<Dimension::d3>(level), point_sampler_);
-    };
-    const auto groups = [&](uint32_t level) {
-        const rhi::Extent extent = rhi::mip_extent(target.desc().extent, level);
-        return rhi::Groups{rhi::groups_for(extent.width, 4), rhi::groups_for(extent.height, 4),
-                           rhi::groups_for(extent.depth, 4)};
-    };
-    if (volume.directions) {
-        const uint32_t side = target.desc().extent.height;
-        pass.clear(target.mip<Dimension::d3>(0));
-        pass.dispatch(first_directional_,
-                      {.finer = finer(volume.base, 0), .coarser = target.mip<Dimension::d3>(0)}, {},
-                      {rhi::groups_for(side, 8), rhi::groups_for(side, 4), rhi::groups_for(side, 2)});
-    }
-    for (uint32_t level = 1; level < target.desc().mips; ++level) {
-        if (volume.directions) {
-            pass.dispatch(next_directional_,
-                          {.finer = finer(target, level - 1), .coarser = target.mip<Dimension::d3>(level)},
-                          {}, groups(level));
+    const rhi::BufferSlice list = blocks ? blocks->list_slice() : no_list_.slice();
+    const auto make = [&]<class P>(const rhi::ComputePipeline<P>(&pipelines)[2], const rhi::Texture& from,
+                                   uint32_t from_mip, uint32_t mip, bool listed) {
+        const typename P::Bindings bindings{.finer = {from.mip<Dimension::d3>(from_mip), point_sampler_},
+                                            .coarser = target.mip<Dimension::d3>(mip),
+                                            .blocks = list};
+        const rhi::Extent extent = rhi::mip_extent(target.desc().extent, mip);
+        if (blocks && listed) {
+            pass.dispatch_indirect(pipelines[1], bindings, {}, blocks->groups_of_eight());
         } else {
-            pass.dispatch(isotropic_,
-                          {.finer = finer(target, level - 1), .coarser = target.mip<Dimension::d3>(level)},
-                          {}, groups(level));
+            pass.dispatch(pipelines[0], bindings, {},
+                          {rhi::groups_for(extent.width, 4), rhi::groups_for(extent.height, 4),
+                           rhi::groups_for(extent.depth, 4)});
+        }
+    };
+    // Level 1 of both kinds and level 2 of six directions in the blocks alone; of what is coarser, all is little.
+    if (volume.directions) make(first_directional_, volume.base, 0, 0, true);
+    for (uint32_t mip = 1; mip < target.desc().mips; ++mip) {
+        if (volume.directions) {
+            make(next_directional_, target, mip - 1, mip, mip == 1);
+        } else {
+            make(isotropic_, target, mip - 1, mip, mip == 1);
         }
     }
 }

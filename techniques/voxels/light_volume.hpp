@@ -8,6 +8,7 @@
 #include "shaders/voxels/mip.hpp"
 #include "shaders/voxels/mip_directional.hpp"
 #include "shaders/voxels/mip_first_directional.hpp"
+#include "techniques/voxels/blocks.hpp"
 
 namespace lumo::voxels {
 
@@ -22,7 +23,7 @@ struct LightVolume {
     /// Anisotropic: mips from 1 on, as shaders/voxels/mip_directional.comp lays them out.
     rhi::Texture directions;
 
-    /// rgba8_unorm, or rgba16_float where 8 bits do not do. Errors: those of the device.
+    /// rgba8_unorm, or rgba16_float where 8 bits do not do; all 0. Errors: those of the device.
     static Result<LightVolume> create(rhi::Device& device, const std::string& name, uint32_t resolution,
                                       MipKind mips, bool wide_range);
 };
@@ -39,14 +40,16 @@ class Mips {
   public:
     static Result<Mips> create(rhi::Device& device, MipKind kind);
 
-    /// All mips from level 0.
-    void record(rhi::Pass& pass, const LightVolume& volume) const;
+    /// All mips from level 0, of which nothing but the listed blocks has changed; without a list, all of it.
+    void record(rhi::Pass& pass, const LightVolume& volume, const Blocks* blocks = nullptr) const;
 
   private:
     rhi::Sampler point_sampler_;
-    rhi::ComputePipeline<shaders::voxels::mip> isotropic_;
-    rhi::ComputePipeline<shaders::voxels::mip_first_directional> first_directional_;
-    rhi::ComputePipeline<shaders::voxels::mip_directional> next_directional_;
+    rhi::Buffer no_list_;
+    /// Of all of a volume, and of listed blocks.
+    rhi::ComputePipeline<shaders::voxels::mip> isotropic_[2];
+    rhi::ComputePipeline<shaders::voxels::mip_first_directional> first_directional_[2];
+    rhi::ComputePipeline<shaders::voxels::mip_directional> next_directional_[2];
 };
 
 }  // namespace lumo::voxels

@@ -23,66 +23,34 @@ rhi::View<Dimension::d3> view(const rhi::Texture& texture) { return texture.mip<
 constexpr const char* pass_names[2][2] = {{"voxels.clear", "voxels.voxelize"},
                                           {"voxels.clear_emission", "voxels.voxelize_emission"}};
 
+/// What all voxelizers of sums bind first, by ascending binding numbers, and what else they bind.
+template <class Bindings, class... Rest>
+Bindings bindings_of(const DrawSources& draw, rhi::View<Dimension::d3> sums, Rest... rest) {
+    return {draw.vertices,           draw.indices,          draw.instances, draw.material,
+            draw.base_color_texture, draw.emission_texture, sums,           rest...};
+}
+
 }  // namespace
 
 AddedSums::Raster::Bindings AddedSums::raster(const DrawSources& draw) const {
-    return {.vertices = draw.vertices,
-            .indices = draw.indices,
-            .instances = draw.instances,
-            .material = draw.material,
-            .base_color_texture = draw.base_color_texture,
-            .emission_texture = draw.emission_texture,
-            .sums = sums,
-            .octree_nodes = lookup.octree_nodes,
-            .records = lookup.records};
+    return bindings_of<Raster::Bindings>(draw, sums, lookup.octree_nodes, lookup.records, lookup.block_marks);
 }
 
 template <class P>
 typename P::Bindings AddedSums::compute(const DrawSources& draw, const LargeTriangles& large) const {
-    return {.vertices = draw.vertices,
-            .indices = draw.indices,
-            .instances = draw.instances,
-            .material = draw.material,
-            .base_color_texture = draw.base_color_texture,
-            .emission_texture = draw.emission_texture,
-            .sums = sums,
-            .large_arguments = large.arguments,
-            .large_list = large.list,
-            .octree_nodes = lookup.octree_nodes,
-            .records = lookup.records};
+    return bindings_of<typename P::Bindings>(draw, sums, large.arguments, large.list, lookup.octree_nodes,
+                                             lookup.records, lookup.block_marks);
 }
 
 ExchangedSums::Raster::Bindings ExchangedSums::raster(const DrawSources& draw) const {
-    return {.vertices = draw.vertices,
-            .indices = draw.indices,
-            .instances = draw.instances,
-            .material = draw.material,
-            .base_color_texture = draw.base_color_texture,
-            .emission_texture = draw.emission_texture,
-            .sums = sums,
-            .octree_nodes = lookup.octree_nodes,
-            .records = lookup.records,
-            .exchanged = exchanged,
-            .floats = floats,
-            .dropped = dropped};
+    return bindings_of<Raster::Bindings>(draw, sums, lookup.octree_nodes, lookup.records, exchanged, floats,
+                                         dropped, lookup.block_marks);
 }
 
 template <class P>
 typename P::Bindings ExchangedSums::compute(const DrawSources& draw, const LargeTriangles& large) const {
-    return {.vertices = draw.vertices,
-            .indices = draw.indices,
-            .instances = draw.instances,
-            .material = draw.material,
-            .base_color_texture = draw.base_color_texture,
-            .emission_texture = draw.emission_texture,
-            .sums = sums,
-            .large_arguments = large.arguments,
-            .large_list = large.list,
-            .octree_nodes = lookup.octree_nodes,
-            .records = lookup.records,
-            .exchanged = exchanged,
-            .floats = floats,
-            .dropped = dropped};
+    return bindings_of<typename P::Bindings>(draw, sums, large.arguments, large.list, lookup.octree_nodes,
+                                             lookup.records, exchanged, floats, dropped, lookup.block_marks);
 }
 
 Result<Sums> Sums::create(rhi::Device& device, const SumsSettings& settings, const VoxelizerNeeds& needs,
@@ -94,9 +62,12 @@ Result<Sums> Sums::create(rhi::Device& device, const SumsSettings& settings, con
         .map([&] { return std::move(sums); });
 }
 
+uint32_t Sums::texels_a_cell() const {
+    return std::max(sum_words(settings_, false), settings_.emission ? sum_words(settings_, true) : 0);
+}
+
 Result<void> Sums::create_textures(rhi::Device& device, rhi::Extent cells) {
-    const uint32_t words =
-        std::max(sum_words(settings_, false), settings_.emission ? sum_words(settings_, true) : 0);
+    const uint32_t words = texels_a_cell();
     const uint32_t widest_volume = settings_.range == Range::mutex ? std::max(words, 4u) : words;
     const uint32_t widest = device.info().limits.max_texture_side_3d;
     if (cells.width * widest_volume > widest) {
@@ -112,7 +83,10 @@ Result<void> Sums::create_textures(rhi::Device& device, rhi::Extent cells) {
                              .format = format,
                              .extent = extent,
                              .usage = rhi::TextureUsage::storage})
-            .map([&](rhi::Texture made) { place = std::move(made); });
+            .map([&](rhi::Texture made) {
+                place = std::move(made);
+                empty_volumes(device, {&place});
+            });
     };
     const bool exchanges = !is_order_free(settings_.range);
     const rhi::Extent extent{cells.width * words, cells.height, cells.depth};
@@ -157,15 +131,27 @@ Result<void> Sums::create_voxelizers(rhi::Device& device, const VoxelizerNeeds& 
     return made;
 }
 
+void Sums::clear(rhi::Pass& pass, const Blocks* listed, bool emission) const {
+    const auto empty = [&](const rhi::Texture& volume, uint32_t words) {
+        if (listed) {
+            listed->clear(pass, volume, words);
+        } else {
+            pass.clear(volume.view(), std::array<uint32_t, 4>{});
+        }
+    };
+    empty(sums(emission), texels_a_cell());
+    if (!is_order_free(settings_.range)) empty(exchanged_, 1);
+    if (settings_.range == Range::mutex) empty(floats_, 4);
+}
+
 template <class Wanted>
 void Sums::add(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
-               const CellLookup& lookup, bool emission, float scale, const Wanted& wanted) {
+               const CellLookup& lookup, const Blocks* listed, bool emission, float scale,
+               const Wanted& wanted) {
     const auto [clear_name, name] = pass_names[emission];
     {
         rhi::Pass pass = commands.pass(clear_name);
-        pass.clear(sums(emission).view(), std::array<uint32_t, 4>{});
-        if (!is_order_free(settings_.range)) pass.clear(exchanged_.view(), std::array<uint32_t, 4>{});
-        if (settings_.range == Range::mutex) pass.clear(floats_.view(), std::array<uint32_t, 4>{});
+        clear(pass, listed, emission);
         if (!emission) pass.fill(dropped());
     }
     if (added_[emission]) {
@@ -194,13 +180,13 @@ void Sums::move(rhi::Commands& commands, const scene::GeometryView& before, cons
 }
 
 void Sums::add_surfaces(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
-                        const CellLookup& lookup) {
-    add(commands, geometry, grid, lookup, false, 0, [](const scene::DrawView&) { return true; });
+                        const CellLookup& lookup, const Blocks* listed) {
+    add(commands, geometry, grid, lookup, listed, false, 0, [](const scene::DrawView&) { return true; });
 }
 
 void Sums::add_emission(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
-                        const CellLookup& lookup, float scale) {
-    add(commands, geometry, grid, lookup, true, scale,
+                        const CellLookup& lookup, const Blocks* listed, float scale) {
+    add(commands, geometry, grid, lookup, listed, true, scale,
         [](const scene::DrawView& draw) { return draw.emits; });
 }
 

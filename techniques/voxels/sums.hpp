@@ -13,15 +13,18 @@
 #include "shaders/voxels/voxelize_exchange_small.hpp"
 #include "shaders/voxels/voxelize_large.hpp"
 #include "shaders/voxels/voxelize_small.hpp"
+#include "techniques/voxels/blocks.hpp"
 #include "techniques/voxels/range.hpp"
 #include "techniques/voxels/voxelizer.hpp"
 
 namespace lumo::voxels {
 
-/// What says where a voxel's cell is: an octree's nodes and records, or what a dense volume binds in their place.
+/// What says where a voxel's cell is, an octree's nodes and records, and which blocks of a dense volume hold something.
+/// Either storage binds something that nobody uses in place of the other's.
 struct CellLookup {
     rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> octree_nodes;
     rhi::StorageBuffer records;
+    rhi::StorageBuffer block_marks;
 };
 
 /// Where voxelizers add by atomics alone.
@@ -72,9 +75,10 @@ class Sums {
     static Result<Sums> create(rhi::Device& device, const SumsSettings& settings, const VoxelizerNeeds& needs,
                                rhi::Extent cells);
 
-    /// Base colour, normals and opacity of all surfaces, in place of what was summed before.
+    /// Base colour, normals and opacity of all surfaces, in place of what was summed before. `listed`: of a dense volume,
+    /// where something was; none of an octree.
     void add_surfaces(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
-                      const CellLookup& lookup);
+                      const CellLookup& lookup, const Blocks* listed);
     /// Moves the draws of these numbers from where `before` has them to where `after` has them, in what was added last;
     /// the sums are then what adding all of `after` would make. `emission`: that, times `scale`, instead of surfaces. Of
     /// an order-free range, kept.
@@ -83,7 +87,7 @@ class Sums {
               float scale);
     /// Emission of those that emit, times `scale`, likewise.
     void add_emission(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
-                      const CellLookup& lookup, float scale);
+                      const CellLookup& lookup, const Blocks* listed, float scale);
 
     // What shaders/voxels/means.glsl reads; layout: shaders/voxels/accumulator.glsl.
     const rhi::Texture& sums(bool emission = false) const { return sums_[emission && settings_.keep]; }
@@ -94,10 +98,14 @@ class Sums {
 
   private:
     Result<void> create_textures(rhi::Device& device, rhi::Extent cells);
+    void clear(rhi::Pass& pass, const Blocks* listed, bool emission) const;
     Result<void> create_voxelizers(rhi::Device& device, const VoxelizerNeeds& needs);
     template <class Wanted>
     void add(rhi::Commands& commands, const scene::GeometryView& geometry, const Grid& grid,
-             const CellLookup& lookup, bool emission, float scale, const Wanted& wanted);
+             const CellLookup& lookup, const Blocks* listed, bool emission, float scale,
+             const Wanted& wanted);
+
+    uint32_t texels_a_cell() const;
 
     SumsSettings settings_;
     /// Layout: shaders/voxels/accumulator.glsl; the second for emission, if both are kept.

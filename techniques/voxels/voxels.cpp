@@ -70,6 +70,7 @@ Result<void> Volume::create_octree(rhi::Device& device) {
                                              .minification = rhi::FilterMode::nearest})
                             .map(keep(point_sampler_));
     if (settings_.storage == Storage::dense) {
+        if (made) made = Blocks::create(device, resolution).map(keep(blocks_));
         if (made) {
             made = device.create_texture(volume_desc("voxels.no_nodes", Format::rg32_uint, {}))
                        .map(keep(no_nodes_));
@@ -79,6 +80,8 @@ Result<void> Volume::create_octree(rhi::Device& device) {
         }
         return made;
     }
+    if (made) made = device.create_buffer({.name = "voxels.no_marks", .size = 4}).map(keep(no_marks_));
+    if (made) made = device.create_buffer({.name = "voxels.no_blocks", .size = 36}).map(keep(no_blocks_));
     if (made) {
         made = Octree::create(device,
                               {.resolution = resolution,
@@ -117,6 +120,7 @@ Result<void> Volume::create_textures(rhi::Device& device) {
         if (!made) return tl::unexpected(made.error());
         *w.texture = std::move(*made);
     }
+    empty_volumes(device, {&albedo_, &area_, &normal_, &direct_flux_});
     const auto keep = [](LightVolume& place) { return [&](LightVolume made) { place = std::move(made); }; };
     Result<void> made = create_light(device, "voxels.radiance").map(keep(radiance_));
     if (made && needs_.emission) made = create_light(device, "voxels.emission").map(keep(emission_));
@@ -136,13 +140,26 @@ void Volume::spread(rhi::Pass& pass, const LightVolume& light) const {
     if (octree_) {
         octree_->fill(pass, light);
     } else {
-        mips_.record(pass, light);
+        mips_.record(pass, light, blocks());
     }
 }
 
-rhi::Groups Volume::cell_groups() const {
-    return {rhi::groups_for(cells_.width, 8), rhi::groups_for(cells_.height, 4),
-            rhi::groups_for(cells_.depth, 4)};
+template <rhi::Program P>
+void Volume::for_each_cell(rhi::Pass& pass, const rhi::ComputePipeline<P>& pipeline,
+                           const typename P::Bindings& bindings, const typename P::Push& push) const {
+    if (blocks_) {
+        pass.dispatch_indirect(pipeline, bindings, push, blocks_->groups());
+    } else {
+        pass.dispatch(pipeline, bindings, push,
+                      {rhi::groups_for(cells_.width, 4), rhi::groups_for(cells_.height, 4),
+                       rhi::groups_for(cells_.depth, 4)});
+    }
+}
+
+rhi::BufferSlice Volume::block_list() const { return blocks_ ? blocks_->list_slice() : no_blocks_.slice(); }
+
+CellLookup Volume::lookup() const {
+    return {nodes(), records(), blocks_ ? blocks_->marks() : no_marks_.slice()};
 }
 
 rhi::BufferSlice Volume::voxel_list() const { return octree_ ? octree_->voxels() : no_records_.slice(); }
@@ -163,7 +180,8 @@ Result<void> Volume::create_pipelines(rhi::Device& device) {
         made = device
                    .create_compute_pipeline<shaders::voxels::resolve>({.translucent = needs_.translucent,
                                                                        .normals = needs_.normals,
-                                                                       .range = int32_t(settings_.range)})
+                                                                       .range = int32_t(settings_.range),
+                                                                       .octree_levels = octree_levels()})
                    .map(keep(resolve_));
     }
     if (made && needs_.emission) {
@@ -172,7 +190,8 @@ Result<void> Volume::create_pipelines(rhi::Device& device) {
                        {.emission = true,
                         .translucent = needs_.translucent,
                         .normals = needs_.normals,
-                        .range = int32_t(settings_.range)})
+                        .range = int32_t(settings_.range),
+                        .octree_levels = octree_levels()})
                    .map(keep(resolve_emission_));
     }
     if (made && needs_.lights) {
@@ -181,10 +200,12 @@ Result<void> Volume::create_pipelines(rhi::Device& device) {
                        {.octree_levels = octree_levels(), .several_lights = needs_.several_lights})
                    .map(keep(light_));
     }
-    if (made)
-        made =
-            device.create_compute_pipeline<shaders::voxels::inject>({.several_lights = needs_.several_lights})
-                .map(keep(inject_));
+    if (made) {
+        made = device
+                   .create_compute_pipeline<shaders::voxels::inject>(
+                       {.octree_levels = octree_levels(), .several_lights = needs_.several_lights})
+                   .map(keep(inject_));
+    }
     return made;
 }
 
@@ -200,11 +221,10 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
         occupancy.record(commands);
         octree_->index(commands);
     }
-    const CellLookup lookup{nodes(), records()};
-    sums_->add_surfaces(commands, geometry, grid_, lookup);
-    resolve_surfaces(commands);
+    sums_->add_surfaces(commands, geometry, grid_, lookup(), blocks());
+    resolve_surfaces(commands, false);
     if (!needs_.emission) return;
-    sums_->add_emission(commands, geometry, grid_, lookup, 1 / emission_unit_);
+    sums_->add_emission(commands, geometry, grid_, lookup(), blocks(), 1 / emission_unit_);
     resolve_emission(commands);
 }
 
@@ -214,38 +234,38 @@ void Volume::move(rhi::Commands& commands, const scene::GeometryView& before,
         voxelize(commands, after, max_emission);
         return;
     }
-    const CellLookup lookup{nodes(), records()};
-    sums_->move(commands, before, after, draws, grid_, lookup, false, 0);
-    resolve_surfaces(commands);
+    sums_->move(commands, before, after, draws, grid_, lookup(), false, 0);
+    resolve_surfaces(commands, true);
     if (!needs_.emission) return;
-    sums_->move(commands, before, after, draws, grid_, lookup, true, 1 / emission_unit_);
+    sums_->move(commands, before, after, draws, grid_, lookup(), true, 1 / emission_unit_);
     resolve_emission(commands);
 }
 
-void Volume::resolve_surfaces(rhi::Commands& commands) {
+void Volume::resolve_surfaces(rhi::Commands& commands, bool keep) {
     rhi::Pass pass = commands.pass("voxels.resolve");
-    for (const rhi::Texture* texture : {&albedo_, &area_, &normal_}) pass.clear(texture->view());
-    pass.dispatch(resolve_,
+    if (blocks_) blocks_->list(pass, keep);
+    for_each_cell(pass, resolve_,
                   {.sums = sums_->sums().mip<Dimension::d3>(0),
                    .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
                    .floats = sums_->floats().mip<Dimension::d3>(0),
                    .albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
-                   .normal = normal_.mip<Dimension::d3>(0)},
-                  {}, cell_groups());
+                   .normal = normal_.mip<Dimension::d3>(0),
+                   .blocks = block_list()},
+                  {});
 }
 
 void Volume::resolve_emission(rhi::Commands& commands) {
     rhi::Pass pass = commands.pass("voxels.emission");
-    pass.clear(light_cells(emission_));
-    pass.dispatch(resolve_emission_,
+    for_each_cell(pass, resolve_emission_,
                   {.sums = sums_->sums(true).mip<Dimension::d3>(0),
                    .exchanged = sums_->exchanged().mip<Dimension::d3>(0),
                    .floats = sums_->floats().mip<Dimension::d3>(0),
                    .albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
-                   .emission_volume = light_cells(emission_)},
-                  {.scale = stored_unit(settings_.range)}, cell_groups());
+                   .emission_volume = light_cells(emission_),
+                   .blocks = block_list()},
+                  {.scale = stored_unit(settings_.range)});
     spread(pass, emission_);
 }
 
@@ -269,7 +289,11 @@ void Volume::light(rhi::Commands& commands, const shadow::View& lights) {
     }
 
     rhi::Pass pass = commands.pass("voxels.light");
-    pass.clear(direct_flux_.view(), std::array<uint32_t, 4>{});
+    if (blocks_) {
+        blocks_->clear(pass, direct_flux_, flux_words(needs_));
+    } else {
+        pass.clear(direct_flux_.view(), std::array<uint32_t, 4>{});
+    }
     const uint32_t groups = rhi::groups_for(lights.resolution, 16);
     for (size_t i = 0; i < lights.lights.size(); ++i) {
         const shadow::LitLight& lit = lights.lights[i];
@@ -312,13 +336,13 @@ void Volume::inject(rhi::Commands& commands, const shadow::View* lights) {
     injected_.radiance_scale = stored_unit(settings_.range) / (unit > 0 ? unit : 1);
 
     rhi::Pass pass = commands.pass("voxels.inject");
-    pass.clear(light_cells(radiance_));
-    pass.dispatch(inject_,
+    for_each_cell(pass, inject_,
                   {.albedo = albedo_.mip<Dimension::d3>(0),
                    .area = area_.mip<Dimension::d3>(0),
                    .direct_flux = direct_flux_.mip<Dimension::d3>(0),
-                   .radiance = light_cells(radiance_)},
-                  injected_, cell_groups());
+                   .radiance = light_cells(radiance_),
+                   .blocks = block_list()},
+                  injected_);
     spread(pass, radiance_);
 }
 

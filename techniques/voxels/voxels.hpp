@@ -18,6 +18,7 @@
 #include "shaders/voxels/resolve.hpp"
 #include "shaders/voxels/resolve_emission.hpp"
 #include "techniques/shadow/shadow.hpp"
+#include "techniques/voxels/blocks.hpp"
 #include "techniques/voxels/light_volume.hpp"
 #include "techniques/voxels/octree.hpp"
 #include "techniques/voxels/range.hpp"
@@ -99,8 +100,6 @@ class Volume {
     void spread(rhi::Pass& pass, const LightVolume& light) const;
     int32_t octree_levels() const;  ///< log2 of the resolution; 0: a dense volume
     rhi::Extent cells() const { return cells_; }
-    /// Groups of 8 x 4 x 4 that cover the cells.
-    rhi::Groups cell_groups() const;
     /// Where the cells' voxels are, as Octree::voxels; of a dense volume 4 bytes that nothing reads.
     rhi::BufferSlice voxel_list() const;
     /// Of the octree's nodes; of a dense volume bytes that nothing reads.
@@ -121,7 +120,15 @@ class Volume {
     const LightVolume& emission() const { return emission_; }  ///< empty where nothing emits
 
   private:
-    void resolve_surfaces(rhi::Commands& commands);
+    /// A thread a cell, in groups of 4 x 4 x 4 (shaders/voxels/own_cell.glsl): where something is listed, of a dense
+    /// volume.
+    template <rhi::Program P>
+    void for_each_cell(rhi::Pass& pass, const rhi::ComputePipeline<P>& pipeline,
+                       const typename P::Bindings& bindings, const typename P::Push& push) const;
+    const Blocks* blocks() const { return blocks_ ? &*blocks_ : nullptr; }
+    rhi::BufferSlice block_list() const;
+    CellLookup lookup() const;
+    void resolve_surfaces(rhi::Commands& commands, bool keep);
     void resolve_emission(rhi::Commands& commands);
     void light(rhi::Commands& commands, const shadow::View& lights);
     Result<void> create_octree(rhi::Device& device);
@@ -152,9 +159,12 @@ class Volume {
 
     std::optional<Octree> octree_;
     Voxelizer<Marks> mark_;
-    // What a dense volume binds in place of an octree.
+    std::optional<Blocks> blocks_;  ///< of a dense volume
+    // What either storage binds in place of the other's.
     rhi::Texture no_nodes_;
     rhi::Buffer no_records_;
+    rhi::Buffer no_blocks_;
+    rhi::Buffer no_marks_;
     rhi::Sampler point_sampler_;
 };
 
