@@ -17,6 +17,7 @@
 #include "samples/lumo/open_devices.hpp"
 #include "samples/lumo/pictures.hpp"
 #include "samples/lumo/progress.hpp"
+#include "samples/lumo/sky_map.hpp"
 #include "samples/lumo/stats.hpp"
 #include "samples/lumo/traced.hpp"
 #include "scene/printable.hpp"
@@ -200,12 +201,14 @@ Result<bool> render_on_devices(const Options& options, const Product& product, s
     return agreed;
 }
 
-/// Traces the frames, without any device.
+/// Traces the frames; without any device, but for a sky.
 Result<bool> render_reference(const Options& options, const Product& product, scene::Scene& scene,
                               const scene::Camera& camera, Progress& progress) {
     return render_all(
         options, scene, camera,
         [&](const scene::Scene& lit, const scene::Camera& view, std::string_view number) -> Result<bool> {
+            if (const Result<void> done = add_sky_map(scene, options); !done)
+                return tl::unexpected(done.error());
             const auto traced = trace(options, product.layer_names, lit, view, progress);
             if (!traced) return tl::unexpected(traced.error());
             const std::filesystem::path file = tagged(product.file, number);

@@ -18,7 +18,7 @@ namespace lumo::scene {
 ///                     black and all red and green radiance zero; what appears there has leaked
 ///  - furnace          a closed convex body of albedo 1 in an environment of radiance 1: irradiance is pi and
 ///                     radiance 1 at every point and for every number of bounces
-///  - sky              things on a plain under Earth's sky, the sun 33 degrees high; cameras ground, air (10 km) and
+///  - sky              things on a paved place under Earth's sky, the sun 33 degrees high; cameras ground, air (10 km) and
 ///                     orbit (400 km)
 std::span<const std::string_view> builtin_names();
 

@@ -1,5 +1,5 @@
-// A plain under an open sky, as wide as its voxels can resolve what stands on it; beyond it the planet goes on. Its
-// albedo is the ground's, so that its edge does not show.
+// A paved place under an open sky, as wide as its voxels can resolve what stands on it; beyond it lies the planet's
+// ground.
 #include "scene/sky.hpp"
 
 #include <array>
@@ -11,7 +11,7 @@ namespace lumo::scene::builtin {
 
 namespace {
 
-constexpr float plain_radius = 60;  // metres
+constexpr float place_radius = 60;  // metres
 
 /// A block that tapers to a pyramid at its top.
 Model obelisk(const Finish& stone, float half_width, float height) {
@@ -40,23 +40,22 @@ Model gate(const Finish& stone) {
 Scene make_sky() {
     Scene scene;
     const Sky sky{.direction_to_sun = glm::normalize(glm::vec3(-0.62f, 0.55f, -0.56f))};
-    const glm::vec3 ground(float(sky.atmosphere.ground_albedo.front()));
-    const Finish earth{add_diffuse_material(scene, "ground", ground)};
+    const Finish paving{add_diffuse_material(scene, "paving", glm::vec3(0.32f, 0.31f, 0.29f))};
     const Finish white{add_diffuse_material(scene, "white", glm::vec3(0.8f))};
     const Finish stone{add_diffuse_material(scene, "stone", glm::vec3(0.45f, 0.42f, 0.38f))};
     const Finish steel{add_diffuse_material(scene, "steel", glm::vec3(0.75f))};
     scene.materials[steel.material].metallic = 1;
     scene.materials[steel.material].roughness = 0.15f;
 
-    Model plain;
-    append(plain[earth], lathe({.points = {{plain_radius, 0}, {0, 0}}}, 64));
+    Model ground;
+    append(ground[paving], lathe({.points = {{place_radius, 0}, {0, 0}}}, 64));
     Model white_ball, steel_ball;
     append(white_ball[white], sphere(2, 48, 24));
     append(steel_ball[steel], sphere(2, 48, 24));
     const auto place = [&](const char* name, const Model& model, const glm::mat4& placement) {
         scene.instances.push_back({.mesh = add_mesh(scene, name, model), .world_from_object = placement});
     };
-    place("plain", plain, glm::mat4(1));
+    place("ground", ground, glm::mat4(1));
     place("white ball", white_ball, translation({-3.4f, 2, -6}));
     place("steel ball", steel_ball, translation({1.6f, 2, -9}));
     place("gate", gate(stone), translation({9, 0, -17}) * rotation_y(-0.5f));

@@ -5,13 +5,16 @@
 #include "common/constants.glsl"
 #include "common/frame.glsl"
 #include "common/voxel_grid.glsl"
+#define SKY_MAP 8
+#include "sky/map.glsl"
 #include "voxels/octree.glsl"
 #include "voxels/walk.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 0) const bool gather_emission = false;     // the emission volume's light
-layout(constant_id = 1) const bool gather_environment = false;  // a constant radiance outside the grid
+layout(constant_id = 1) const bool gather_environment = false;  // light from outside the grid
+layout(constant_id = 2) const bool gather_sky = false;          // … that is a sky's, in place of a constant radiance
 
 layout(push_constant) uniform Push {
     vec3 grid_origin;
@@ -74,7 +77,8 @@ vec3 trace_ray(vec3 origin, vec3 direction) {
             inside = inside_grid(walk.voxel, push.resolution);
         }
     }
-    if (gather_environment && transmittance >= min_transmittance) gathered += transmittance * push.environment;
+    if (gather_environment && transmittance >= min_transmittance)
+        gathered += transmittance * (gather_sky ? sky_in_cone(direction, 0.0) : push.environment);
     return gathered;
 }
 

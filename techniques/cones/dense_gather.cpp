@@ -34,6 +34,7 @@ Result<DenseGather> DenseGather::create(rhi::Device& device, uint32_t rays, cons
             return device.create_compute_pipeline<shaders::cones::dense_gather>(
                 {.gather_emission = needs.emission,
                  .gather_environment = needs.environment,
+                 .gather_sky = needs.sky,
                  .octree_levels = needs.octree_levels});
         })
         .map([&](rhi::ComputePipeline<shaders::cones::dense_gather> pipeline) {
@@ -59,7 +60,9 @@ rhi::View<Dimension::d2> DenseGather::record(rhi::Commands& commands, const gbuf
                            .radiance = {volume.radiance.base, point_sampler_},
                            .emission = {volume.emission.base, point_sampler_},
                            .nodes = volume.nodes,
-                           .irradiance = irradiance_.view<Dimension::d2>()},
+                           .irradiance = irradiance_.view<Dimension::d2>(),
+                           .sky_map = source.sky.value_or(
+                               rhi::Sampled<Dimension::d3>(volume.radiance.base, point_sampler_))},
                           {.grid_origin = volume.grid.origin,
                            .voxels_per_metre = 1 / volume.grid.voxel_size,
                            .environment = source.environment,

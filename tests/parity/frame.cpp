@@ -7,6 +7,7 @@
 
 #include "reference/metrics.hpp"
 #include "scene/builtin/builtin.hpp"
+#include "scene/sky.hpp"
 #include "techniques/frame/render.hpp"
 #include "tests/support/both_apis.hpp"
 
@@ -33,8 +34,11 @@ frame::Rendered render(rhi::Device& device, const scene::Scene& scene, const fra
 
 struct FrameParityTest : BothApisTest {
     void expect_parity(const std::string& name, const frame::Settings& settings) {
+        expect_parity(must(scene::make_builtin(name)), settings);
+    }
+    void expect_parity(const scene::Scene& scene, const frame::Settings& settings) {
+        const std::string& name = scene.name;
         SCOPED_TRACE(name);
-        const scene::Scene scene = must(scene::make_builtin(name));
         const frame::Rendered a = render(gl(), scene, settings), b = render(vulkan(), scene, settings);
         ASSERT_EQ(a.layers.size(), settings.layers.size());
         for (size_t i = 0; i < a.layers.size(); ++i) {
@@ -71,6 +75,25 @@ TEST_F(FrameParityTest, AtriumDiffuse) {
     frame::Settings settings = settings_for(32);
     settings.diffuse_materials = true;
     expect_parity("atrium", settings);
+}
+
+/// The sun high, and below the horizon.
+TEST_F(FrameParityTest, Sky) {
+    frame::Settings settings = settings_for(32);
+    settings.sky.tables = atmosphere::settings_of(atmosphere::Preset::fast);
+    scene::Scene scene = must(scene::make_builtin("sky"));
+    expect_parity(scene, settings);
+    set_sky(scene, {.direction_to_sun = glm::normalize(glm::vec3(0.5f, -0.07f, -1))});
+    settings.layers = {Layer::radiance, Layer::irradiance, Layer::specular};
+    expect_parity(scene, settings);
+}
+TEST_F(FrameParityTest, AtriumUnderASky) {
+    frame::Settings settings = settings_for(32);
+    settings.layers = {Layer::radiance, Layer::irradiance, Layer::specular, Layer::final};
+    settings.sky.tables = atmosphere::settings_of(atmosphere::Preset::fast);
+    scene::Scene scene = must(scene::make_builtin("atrium"));
+    set_sky(scene, {.direction_to_sun = -scene.lights.at(0).direction});
+    expect_parity(scene, settings);
 }
 
 TEST_F(FrameParityTest, BarriersAreTheSame) {
@@ -111,11 +134,12 @@ bool holds(const frame::Rendered& rendered, std::string_view resource) {
 }
 
 TEST_P(FramePlanTest, FullPlanGivesTheSamePicture) {
-    for (const char* name : {"cornell", "area-light", "atrium"}) {
+    for (const char* name : {"cornell", "area-light", "atrium", "sky"}) {
         SCOPED_TRACE(name);
         const scene::Scene scene = must(scene::make_builtin(name));
         frame::Settings settings = settings_for(16, 2);
         settings.size = {64, 36};
+        settings.sky.tables = atmosphere::settings_of(atmosphere::Preset::fast);
         settings.layers.push_back(Layer::final);
         const frame::Rendered automatic = render(device(), scene, settings);
         settings.plan = frame::PlanMode::full;
@@ -151,6 +175,8 @@ TEST_P(FramePlanTest, NothingOutsideThePlanIsRunOrHeld) {
         {"voxels.bounce", {"bounce"}, {"bounce."}},
         {"cones", {"cones.irradiance"}, {"cones.irradiance"}},
         {"cones.ao", {"cones.ao"}, {"cones.ao"}},
+        {"sky.map", {"sky.map"}, {"sky.map"}},
+        {"sky.pixels", {"sky.pixels"}, {"sky.radiance", "sky.transmittance"}},
         {"blend", {"lighting.blend"}, {}},
         {"post", {"post.display"}, {"post."}},
     };

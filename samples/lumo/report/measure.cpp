@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <map>
 #include <spdlog/spdlog.h>
@@ -11,6 +12,7 @@
 #include "samples/lumo/report/error_map.hpp"
 #include "samples/lumo/report/findings.hpp"
 #include "samples/lumo/report/pareto.hpp"
+#include "samples/lumo/sky_map.hpp"
 #include "scene/content_key.hpp"
 #include "scene/file.hpp"
 #include "scene/printable.hpp"
@@ -113,8 +115,7 @@ class Work {
   private:
     Result<void> trace(Bounces bounces) {
         if (truths_.contains(bounces)) return {};
-        const auto name = [&] { return bounces ? fmt::format("{} bounces", *bounces) : "all bounces"; };
-        schedule_.next("reference, " + name());
+        schedule_.next(bounces ? fmt::format("reference, --bounces {}", *bounces) : "reference, all bounces");
         auto truth = truth_of(scene_, camera_, options_.frame, {.spp = options_.spp, .bounces = bounces});
         if (!truth) return tl::unexpected(truth.error());
         const auto layer = reference::traced_layer_from_string(to_string(findings_.layer));
@@ -164,6 +165,8 @@ class Work {
         measured.gpu_ms_error = trial->gpu_ms_error;
         measured.bytes = trial->bytes();
         measured.passes = trial->passes;
+        // Devices count nanoseconds.
+        for (PassCost& pass : measured.passes) pass.gpu_ms = std::round(pass.gpu_ms * 1e6) / 1e6;
         measured.memory = trial->frame.memory;
         for (const frame::PlanItem& item : trial->frame.plan.items)
             if (!item.needed) measured.left_out.push_back({item.what, item.why});
@@ -321,8 +324,9 @@ Result<Findings> measure(const Options& options, const std::filesystem::path& fo
     findings.configurations = std::move(*configurations);
     const auto apis = bench_apis(options);
     if (!apis) return tl::unexpected(apis.error());
-    const auto scene = load_scene(options);
+    auto scene = load_scene(options);
     if (!scene) return tl::unexpected(scene.error());
+    if (const Result<void> done = add_sky_map(*scene, options); !done) return tl::unexpected(done.error());
     const auto camera = choose_camera(options, *scene);
     if (!camera) return tl::unexpected(camera.error());
     findings.warnings = warnings_of(*scene);
