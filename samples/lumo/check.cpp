@@ -84,6 +84,11 @@ Json report_of(const Options& options, const scene::Scene& scene, const frame::P
     if (const scene::Bounds bounds = world_bounds(scene); !bounds.empty())
         json["bounds"] = {{"min", to_json(bounds.min)}, {"max", to_json(bounds.max)}};
     json["environment_radiance"] = to_json(scene.environment_radiance);
+    json["sky"] = nullptr;
+    if (scene.sky)
+        json["sky"] = {{"direction_to_sun", to_json(scene.sky->direction_to_sun)},
+                       {"altitude_km", scene.sky->altitude_km},
+                       {"wavelengths_nm", scene.sky->atmosphere.wavelengths_nm}};
     json["materials"] = Json::array();
     for (const scene::Material& material : scene.materials)
         json["materials"].push_back(material_of(material, scene));
@@ -153,6 +158,10 @@ void print_report(const Options& options, const scene::Scene& scene, const frame
         fmt::print("  bounds      {} to {} m\n", text_of(bounds.min), text_of(bounds.max));
     if (scene.environment_radiance != glm::vec3(0))
         fmt::print("  environment {} W/m²/sr\n", text_of(scene.environment_radiance));
+
+    if (scene.sky)
+        fmt::print("  sky         sun toward {}, {:.4g} km above the planet's ground\n",
+                   text_of(scene.sky->direction_to_sun), scene.sky->altitude_km);
 
     print_list("materials (numbers are images)", scene.materials,
                [&](const scene::Material& material) { return text_of(material, scene); });

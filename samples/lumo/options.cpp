@@ -25,13 +25,14 @@ constexpr uint64_t largest_config = uint64_t(1) << 20;  // bytes
 constexpr uint32_t most_frames = 1'000'000;
 
 using NamedCommand = std::pair<std::string_view, Command>;
-constexpr std::array<NamedCommand, 7> commands{{{"render", Command::render},
+constexpr std::array<NamedCommand, 8> commands{{{"render", Command::render},
                                                 {"check", Command::check},
                                                 {"diff", Command::diff},
                                                 {"devices", Command::devices},
                                                 {"bench", Command::bench},
                                                 {"probe", Command::probe},
-                                                {"report", Command::report}}};
+                                                {"report", Command::report},
+                                                {"tune", Command::tune}}};
 
 std::string available(auto&& names) { return fmt::format("available: {}", fmt::join(names, ", ")); }
 
@@ -447,7 +448,8 @@ SettingOptions add_render(CLI::App& app, Options& options, std::filesystem::path
         "  lumo render cornell --reference --spp 1024 --layer irradiance -o truth.exr\n"
         "  lumo render atrium --sun 0.3,1,0.2:12,11,10 --exposure -1 --tonemap agx -o noon.png\n"
         "  lumo render cornell --stats run.json && lumo render --config run.json -o again.png\n"
-        "  lumo render atrium --frames 48 --orbit 360 --shard 2/8 -o turn.png");
+        "  lumo render atrium --frames 48 --orbit 360 --shard 2/8 -o turn.png\n"
+        "  lumo render atrium --sky on --sun 1,0.3,0.2:1,1,1 -o evening.png");
     return settings;
 }
 
@@ -489,6 +491,39 @@ SettingOptions add_report(CLI::App& app, Options& options) {
         "  lumo report cornell\n"
         "  lumo report Sponza.gltf --api both --vary voxels=128,256 --vary cones=6,9 -o sponza\n"
         "  lumo report atrium --also bounces=4 --spp 1024 --size 160x90");
+    return settings;
+}
+
+SettingOptions add_tune(CLI::App& app, Options& options) {
+    SettingOptions settings = add_scene_settings(app, options);
+    std::ranges::copy(add_view_settings(app, options, "the first that works"), std::back_inserter(settings));
+    add(app, "--max-error", "E", "the cheapest configuration with at most this relative RMSE: 0.15, or 15%",
+        [&](const std::string& text) -> Result<void> {
+            return parse_ratio(text).map([&](double ratio) { options.max_error = ratio; });
+        });
+    add(app, "--max-ms", "T",
+        "the most accurate configuration of which a frame takes at most so long on the GPU; with --max-error "
+        "the cheapest one within both",
+        [&](const std::string& text) -> Result<void> {
+            return parse_positive(text).map([&](double milliseconds) { options.max_ms = milliseconds; });
+        });
+    settings.emplace_back("spp", add_spp(app, options));
+    settings.emplace_back("runs", add_runs(app, options,
+                                           "frames by which a configuration is timed, at most: fewer where "
+                                           "their median is stable; if not given, 9"));
+    add_flag(app, "--json", options.json, "machine-readable output");
+    add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
+    add_validation(app, options);
+    app.footer(
+        "What is not given is free: voxels, mips, storage, range, voxelizer, cones, apertures, rotate-cones "
+        "and bounces.\n"
+        "The error is that of --layer (irradiance, if not given) against the path tracer, at as many bounces "
+        "as are\ngiven, or else at all. If not given, --size is 320x180.\n"
+        "Exit code 1 if no configuration was found that keeps the bounds.\n\n"
+        "Examples:\n"
+        "  lumo tune cornell --max-error 0.2\n"
+        "  lumo tune Sponza.gltf --max-ms 8 --api vulkan --storage vt\n"
+        "  lumo tune atrium --max-error 25% --bounces 1 --json");
     return settings;
 }
 
@@ -564,9 +599,8 @@ void add_probe(CLI::App& app, Options& options) {
         });
     add(app, "--api", "vulkan|gl|both", "",
         "the first that works, if not given; both: into NAME.gl.EXT and NAME.vulkan.EXT",
-        one_of<ApiChoice>(
-            &options.api,
-            {{"vulkan", ApiChoice::vulkan}, {"gl", ApiChoice::gl}, {"both", ApiChoice::both}}));
+        one_of<ApiChoice>(&options.api,
+                          {{"vulkan", ApiChoice::vulkan}, {"gl", ApiChoice::gl}, {"both", ApiChoice::both}}));
     add(app, "--device", "NAME", "", "a part of the device's name",
         [&](const std::string& text) -> Result<void> {
             options.device = text;
@@ -658,6 +692,8 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
 
     const SettingOptions report_settings = add_report(
         *app.add_subcommand("report", "Measures error against run time, by configuration."), options);
+    const SettingOptions tune_settings = add_tune(
+        *app.add_subcommand("tune", "Finds the configuration that keeps a bound on error or time."), options);
 
     const auto is_command = [](std::string_view name) {
         return std::ranges::find(commands, name, &NamedCommand::first) != commands.end();
@@ -701,6 +737,7 @@ tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) 
     const SettingOptions& settings = options.command == Command::check    ? check_settings
                                      : options.command == Command::bench  ? bench_settings
                                      : options.command == Command::report ? report_settings
+                                     : options.command == Command::tune   ? tune_settings
                                                                           : render_settings;
     options.settings = collect(settings);
     for (const auto& [name, option] : settings)

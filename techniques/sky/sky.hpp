@@ -1,5 +1,5 @@
 // The sky in a frame: what every pixel sees of it, and a map of it for the light that it sends into the scene.
-// docs/atmosphere.md says how spectra become colours.
+// docs/sky.md says how spectra become colours.
 #pragma once
 
 #include <glm/glm.hpp>
