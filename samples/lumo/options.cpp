@@ -158,9 +158,10 @@ SettingOptions add_technique_settings(CLI::App& app, Options& options) {
             "of the cones: all the same, or as wide as each ring has room for",
             one_of<cones::Apertures>(&frame.cones.apertures, {{"uniform", cones::Apertures::uniform},
                                                               {"nonuniform", cones::Apertures::nonuniform}}));
-    setting("--rotate-cones", "on|off", "off",
-            "turned about the normal from pixel to pixel: a fine pattern instead of broad bands",
-            one_of<bool>(&frame.cones.turned, {{"on", true}, {"off", false}}));
+    setting(
+        "--rotate-cones", "on|off", "on",
+        "each of 4 x 4 pixels has narrower cones of its own, and takes the mean over those of its surface",
+        one_of<bool>(&frame.cones.turned, {{"on", true}, {"off", false}}));
     setting("--gather", "cones|rays", "cones",
             "what gathers the diffuse light of visible surfaces; rays: many through the finest voxels, to "
             "measure "
@@ -227,6 +228,11 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
             [&](const std::string& text) -> Result<void> {
                 options.atmosphere = text;
                 return {};
+            });
+    setting("--preset", "fast|default|precise", "default", "of the sky's tables: error against time",
+            [&](const std::string& text) -> Result<void> {
+                return atmosphere::parse_preset(text).map(
+                    [&](atmosphere::Preset preset) { frame.sky.tables = atmosphere::settings_of(preset); });
             });
     setting("--altitude", "KM", "", "of the scene's origin above the planet's ground: 0, if not given",
             [&](const std::string& text) -> Result<void> {
@@ -562,13 +568,17 @@ SettingOptions add_bench(CLI::App& app, Options& options) {
     SettingOptions settings = add_scene_settings(app, options);
     std::ranges::copy(add_view_settings(app, options, "each that works"), std::back_inserter(settings));
     settings.emplace_back(
-        "runs", add_runs(app, options, "figures are medians of so many: if not given 5, of voxels 100"));
+        "runs", add_runs(app, options,
+                         "figures are medians of so many: if not given 5, of voxels 100, of atmosphere 1"));
+    add_file(app, "--truth", options.truth,
+             "of atmosphere: a CSV file that scripts/atmosphere-truth wrote, to measure errors by");
     add_flag(app, "--json", options.json, "machine-readable output");
     add_flag(app, "--quiet", options.quiet, "no progress, nothing but warnings and errors");
     app.footer(
         "Examples:\n"
         "  lumo bench voxels Sponza.gltf --runs 3 --voxels 128 --size 480x270\n"
         "  lumo bench memory Sponza.gltf\n"
+        "  lumo bench atmosphere --truth tests/data/atmosphere/earth.csv --size 320x180\n"
         "  lumo bench rhi\n"
         "  lumo bench rhi --api vulkan --runs 9 --json");
     return settings;

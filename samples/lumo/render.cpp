@@ -17,7 +17,7 @@
 #include "samples/lumo/open_devices.hpp"
 #include "samples/lumo/pictures.hpp"
 #include "samples/lumo/progress.hpp"
-#include "samples/lumo/sky_map.hpp"
+#include "samples/lumo/sky.hpp"
 #include "samples/lumo/stats.hpp"
 #include "samples/lumo/traced.hpp"
 #include "scene/printable.hpp"
@@ -189,6 +189,9 @@ Result<bool> render_on_devices(const Options& options, const Product& product, s
     {
         auto devices = open_devices(options, failures);
         if (!devices) return tl::unexpected(devices.error());
+        for (rhi::Device& device : *devices)
+            if (const Result<void> done = prepare_sky(device, scene, options); !done)
+                return tl::unexpected(done.error());
         Renderer renderer(options, product, *devices, progress);
         agreed = render_all(options, scene, camera,
                             [&](const scene::Scene& lit, const scene::Camera& view, std::string_view number) {

@@ -12,7 +12,7 @@
 #include "samples/lumo/report/error_map.hpp"
 #include "samples/lumo/report/findings.hpp"
 #include "samples/lumo/report/pareto.hpp"
-#include "samples/lumo/sky_map.hpp"
+#include "samples/lumo/sky.hpp"
 #include "scene/content_key.hpp"
 #include "scene/file.hpp"
 #include "scene/printable.hpp"
