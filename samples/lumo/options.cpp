@@ -133,6 +133,14 @@ SettingOptions add_technique_settings(CLI::App& app, Options& options) {
                                     {{"vt", voxels::Storage::dense}, {"svo", voxels::Storage::octree}}));
     setting("--voxels", "N", fmt::to_string(frame.voxels.resolution), "a side: a power of two, 16 to 1024",
             into(frame.voxels.resolution, parse_voxels));
+    setting("--grid-size", "METRES|scene", "scene",
+            "a side of the voxels' grid, which then follows the camera in whole voxels; what lies outside is "
+            "left out, and cones that leave it see the environment; scene: it holds the scene",
+            [&](const std::string& text) -> Result<void> {
+                frame.voxels.grid_size.reset();
+                if (text == "scene") return {};
+                return parse_distance(text).map([&](float metres) { frame.voxels.grid_size = metres; });
+            });
     setting("--mips", "iso|ani", "ani", "of the voxels: isotropic, or anisotropic in six directions",
             one_of<voxels::MipKind>(&frame.voxels.mips, {{"iso", voxels::MipKind::isotropic},
                                                          {"ani", voxels::MipKind::anisotropic}}));

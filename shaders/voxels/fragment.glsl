@@ -1,7 +1,7 @@
 // A fragment of a voxelized surface, and what its voxel is given. The includer defines MATERIAL, BASE_COLOR_TEXTURE and
 // what a destination needs:
-//   - MARKS, a binding: voxels are marked in an occupancy volume (voxels/occupancy.glsl), and nothing else is
-//     evaluated than whether the fragment is there;
+//   - MARKS and FRAGMENTS, bindings: voxels are marked in an occupancy volume (voxels/occupancy.glsl), and nothing else
+//     is evaluated than whether the fragment is there; where asked for, fragments are counted;
 //   - or EMISSION_TEXTURE, a binding, those of voxels/accumulate.glsl, and those of voxels/octree_cells.glsl, which says
 //     where in the accumulator a voxel has its sums; and BLOCK_MARKS, a binding: which blocks of a dense volume hold
 //     something (voxels/block_list.glsl).
@@ -42,11 +42,15 @@ vec4 base_color_of(VoxelFragment f) {
 #ifdef MARKS
 #include "voxels/occupancy.glsl"
 
+layout(constant_id = 5) const bool count_fragments = false;
+
 layout(binding = MARKS, r32ui) uniform uimage3D marks;
+layout(binding = FRAGMENTS, std430) buffer Fragments { uint count; } fragments;
 
 void keep_fragment(VoxelFragment f) {
     if (alpha_test && base_color_of(f).a < material.alpha_cutoff) return;
     imageAtomicOr(marks, occupancy_texel(f.voxel), 1u << occupancy_bit(f.voxel));
+    if (count_fragments) atomicAdd(fragments.count, 1u);
 }
 #else
 #include "voxels/accumulate.glsl"

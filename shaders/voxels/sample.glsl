@@ -101,16 +101,16 @@ vec4 sample_octree_isotropic(sampler3D base, sampler3D coarse, vec3 uvw, float l
     float part = lod - float(level);
     // Where a level has nothing, no finer one has.
     vec4 value = vec4(0);
-    InBrick above = find_brick(uvw, min(level + 1, octree_levels));
+    InBrick above = find_brick(uvw, part > 0.0 ? min(level + 1, octree_levels) : level);
     if (above.there) {
-        InBrick here = find_brick(uvw, level);
-        vec4 finer;
+        InBrick here = above;
+        if (part > 0.0) here = find_brick(uvw, level);
         if (level == 0) {
-            finer = sample_brick(base, here);
+            value = sample_brick(base, here);
         } else {
-            finer = sample_brick(coarse, here);
+            value = sample_brick(coarse, here);
         }
-        value = mix(finer, sample_brick(coarse, above), part);
+        if (part > 0.0) value = mix(value, sample_brick(coarse, above), part);
     }
     return value;
 }
@@ -119,12 +119,17 @@ vec4 sample_octree_anisotropic(sampler3D base, sampler3D coarse, vec3 uvw, Facin
     int level = int(lod);
     float part = lod - float(level);
     vec4 value = vec4(0);
-    InBrick above = find_brick(uvw, min(level + 1, octree_levels));
+    InBrick above = find_brick(uvw, part > 0.0 ? min(level + 1, octree_levels) : level);
     if (above.there) {
-        Seen coarser = sample_brick_directions(coarse, above, facing);
-        InBrick here = find_brick(uvw, level);
+        InBrick here = above;
+        Seen coarser = Seen(vec4[3](vec4(0), vec4(0), vec4(0)));
+        if (part > 0.0) {
+            here = find_brick(uvw, level);
+            coarser = sample_brick_directions(coarse, above, facing);
+        }
         if (level == 0) {
-            value = mix(sample_brick(base, here), combine(coarser, facing), part);
+            value = sample_brick(base, here);
+            if (part > 0.0) value = mix(value, combine(coarser, facing), part);
         } else {
             Seen seen = sample_brick_directions(coarse, here, facing);
             for (int axis = 0; axis < 3; ++axis) {

@@ -16,12 +16,14 @@ Marks::Raster::Bindings Marks::raster(const DrawSources& draw) const {
             .instances = draw.instances,
             .material = draw.material,
             .base_color_texture = draw.base_color_texture,
-            .marks = marks};
+            .marks = marks,
+            .fragments = fragments};
 }
 
-Result<Voxelizer<Marks>> create_marker(rhi::Device& device, VoxelizerKind kind, const VoxelizerNeeds& needs) {
-    return Voxelizer<Marks>::create(device, kind, needs, []<rhi::Program P>(bool alpha_test) {
-        return typename P::Options{.alpha_test = alpha_test};
+Result<Voxelizer<Marks>> create_marker(rhi::Device& device, VoxelizerKind kind, const VoxelizerNeeds& needs,
+                                       bool count_fragments) {
+    return Voxelizer<Marks>::create(device, kind, needs, [&]<rhi::Program P>(bool alpha_test) {
+        return typename P::Options{.alpha_test = alpha_test, .count_fragments = count_fragments};
     });
 }
 

@@ -15,7 +15,7 @@
 
 namespace lumo::voxels {
 
-/// Where voxelizers set bits: Occupancy::marks.
+/// Where voxelizers set bits: Occupancy::marks. `fragments`: a uint32_t that their number is added to, if asked for.
 struct Marks {
     using Raster = shaders::voxels::mark;
     using Small = shaders::voxels::mark_small;
@@ -31,13 +31,16 @@ struct Marks {
                 .base_color_texture = draw.base_color_texture,
                 .marks = marks,
                 .large_arguments = large.arguments,
-                .large_list = large.list};
+                .large_list = large.list,
+                .fragments = fragments};
     }
 
     rhi::View<rhi::Dimension::d3> marks;
+    rhi::StorageBuffer fragments;
 };
 /// Errors: those of the device.
-Result<Voxelizer<Marks>> create_marker(rhi::Device& device, VoxelizerKind kind, const VoxelizerNeeds& needs);
+Result<Voxelizer<Marks>> create_marker(rhi::Device& device, VoxelizerKind kind, const VoxelizerNeeds& needs,
+                                       bool count_fragments = false);
 
 /// How large an octree is.
 struct OctreeSize {

@@ -10,9 +10,10 @@ namespace {
 
 constexpr uint64_t brick_texels = uint64_t(brick_side) * brick_side * brick_side;
 
-/// Marks a scene's voxels and derives its nodes; waits for it.
+/// Marks a scene's voxels and derives its nodes; waits for it. `fragments`: where their number is added to a uint32_t,
+/// if `count_fragments`.
 Result<Occupancy> mark(rhi::Device& device, const scene::GeometryView& geometry, uint32_t resolution,
-                       VoxelizerKind kind) {
+                       VoxelizerKind kind, const rhi::Buffer& fragments, bool count_fragments) {
     Result<Occupancy> occupancy = Occupancy::create(device, resolution);
     if (!occupancy) return occupancy;
     const bool masked = std::ranges::any_of(geometry.draws, [](const scene::DrawView& draw) {
@@ -21,12 +22,15 @@ Result<Occupancy> mark(rhi::Device& device, const scene::GeometryView& geometry,
     const Result<Voxelizer<Marks>> marker = create_marker(device, kind,
                                                           {.alpha_mask = masked,
                                                            .triangles = count_triangles(geometry),
-                                                           .draws = uint32_t(geometry.draws.size())});
+                                                           .draws = uint32_t(geometry.draws.size())},
+                                                          count_fragments);
     if (!marker) return tl::unexpected(marker.error());
     rhi::Commands commands = device.begin();
+    commands.pass("octree.fragments").fill(fragments.slice());
     occupancy->clear(commands);
     marker->record(commands, "octree.mark", geometry, fit_grid(geometry.bounds, resolution),
-                   Marks{occupancy->marks()}, 0, [](const scene::DrawView&) { return true; });
+                   Marks{occupancy->marks(), fragments.slice()}, 0,
+                   [](const scene::DrawView&) { return true; });
     occupancy->record(commands);
     return device.wait(device.submit(std::move(commands))).map([&] { return std::move(*occupancy); });
 }
@@ -48,19 +52,27 @@ Result<uint64_t> count_bits(rhi::Device& device, const rhi::Texture& bits, uint3
 
 Result<OctreeSize> count_octree(rhi::Device& device, const scene::GeometryView& geometry, uint32_t resolution,
                                 VoxelizerKind voxelizer) {
-    const Result<Occupancy> occupancy = mark(device, geometry, resolution, voxelizer);
+    const Result<rhi::Buffer> fragments = device.create_buffer({.name = "octree.fragments", .size = 4});
+    if (!fragments) return tl::unexpected(fragments.error());
+    const Result<Occupancy> occupancy = mark(device, geometry, resolution, voxelizer, *fragments, false);
     if (!occupancy) return tl::unexpected(occupancy.error());
     return occupancy->size(device);
 }
 
 Result<OctreeStatistics> octree_statistics(rhi::Device& device, const scene::GeometryView& geometry,
                                            uint32_t resolution, VoxelizerKind voxelizer) {
-    const Result<Occupancy> occupancy = mark(device, geometry, resolution, voxelizer);
+    const Result<rhi::Buffer> fragments = device.create_buffer({.name = "octree.fragments", .size = 4});
+    if (!fragments) return tl::unexpected(fragments.error());
+    const Result<Occupancy> occupancy = mark(device, geometry, resolution, voxelizer, *fragments, true);
     if (!occupancy) return tl::unexpected(occupancy.error());
     Result<OctreeSize> size = occupancy->size(device);
     if (!size) return tl::unexpected(size.error());
+    const Result<std::vector<std::byte>> counted = device.download(fragments->slice());
+    if (!counted) return tl::unexpected(counted.error());
+    uint32_t fragment_count = 0;
+    std::memcpy(&fragment_count, counted->data(), sizeof fragment_count);
 
-    OctreeStatistics statistics{.size = std::move(*size)};
+    OctreeStatistics statistics{.size = std::move(*size), .fragments = fragment_count};
     const rhi::Texture& bits = occupancy->bits();
     for (uint32_t mip = 0; mip < bits.desc().mips; ++mip) {
         const Result<uint64_t> count = count_bits(device, bits, mip);

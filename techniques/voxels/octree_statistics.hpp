@@ -16,6 +16,7 @@ Result<OctreeSize> count_octree(rhi::Device& device, const scene::GeometryView& 
 struct OctreeStatistics {
     OctreeSize size;
     std::vector<uint64_t> occupied = {};  ///< voxels of each level, from the finest
+    uint64_t fragments = 0;               ///< that the voxelizer made; several may share a voxel
 
     uint64_t brick_voxels = 0;   ///< texels of all bricks, borders included, one direction
     uint64_t light_texels = 0;   ///< … with the directions of anisotropic mips

@@ -47,6 +47,17 @@ Grid fit_grid(const scene::Bounds& bounds, uint32_t resolution) {
             .resolution = resolution};
 }
 
+Grid grid_around(glm::vec3 position, float side, uint32_t resolution) {
+    constexpr float step = 8;  // voxels
+    // Of few bits, so that whole numbers of voxels are exact.
+    int exponent = 0;
+    const float mantissa = std::frexp(side / float(resolution), &exponent);
+    const float voxel = std::ldexp(std::ceil(mantissa * 1024), exponent - 10);
+    const glm::vec3 middle = glm::floor(position / (step * voxel) + 0.5f) * step;
+    return {
+        .origin = (middle - 0.5f * float(resolution)) * voxel, .voxel_size = voxel, .resolution = resolution};
+}
+
 Result<Volume> Volume::create(rhi::Device& device, const Settings& settings, const Needs& needs) {
     Volume volume;
     volume.settings_ = settings;
@@ -209,15 +220,17 @@ Result<void> Volume::create_pipelines(rhi::Device& device) {
     return made;
 }
 
-void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geometry, float max_emission) {
-    grid_ = fit_grid(geometry.bounds, settings_.resolution);
+void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geometry, float max_emission,
+                      const std::optional<Grid>& grid) {
+    grid_ = grid.value_or(fit_grid(geometry.bounds, settings_.resolution));
     // Eight bits hold what is displayed, as the paper's do; an emitter may be brighter.
     emission_unit_ = is_wide(settings_.range) && max_emission > 0 ? max_emission : 1;
 
     if (octree_) {
         Occupancy& occupancy = octree_->occupancy();
         occupancy.clear(commands);
-        mark_.record(commands, "octree.mark", geometry, grid_, Marks{occupancy.marks()}, 0, every_draw);
+        mark_.record(commands, "octree.mark", geometry, grid_, Marks{occupancy.marks(), no_marks_.slice()}, 0,
+                     every_draw);
         occupancy.record(commands);
         octree_->index(commands);
     }
@@ -229,9 +242,11 @@ void Volume::voxelize(rhi::Commands& commands, const scene::GeometryView& geomet
 }
 
 void Volume::move(rhi::Commands& commands, const scene::GeometryView& before,
-                  const scene::GeometryView& after, std::span<const uint32_t> draws, float max_emission) {
-    if (octree_ || !is_order_free(settings_.range) || fit_grid(after.bounds, settings_.resolution) != grid_) {
-        voxelize(commands, after, max_emission);
+                  const scene::GeometryView& after, std::span<const uint32_t> draws, float max_emission,
+                  const std::optional<Grid>& grid) {
+    if (octree_ || !is_order_free(settings_.range) ||
+        grid.value_or(fit_grid(after.bounds, settings_.resolution)) != grid_) {
+        voxelize(commands, after, max_emission, grid);
         return;
     }
     sums_->move(commands, before, after, draws, grid_, lookup(), false, 0);

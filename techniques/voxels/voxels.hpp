@@ -37,6 +37,8 @@ struct Settings {
     Storage storage = Storage::dense;
     Range range = Range::ldr;
     bool moving = false;  ///< move() is called: what it needs is kept from frame to frame
+    /// Metres: the side of a grid that follows the camera (grid_around), in a dense volume; none: the grid holds the scene.
+    std::optional<float> grid_size = {};
 
     /// log2 of the resolution; 0: a dense volume.
     int32_t octree_levels() const;
@@ -59,6 +61,10 @@ struct Needs {
 /// inside voxels instead of on their faces.
 Grid fit_grid(const scene::Bounds& bounds, uint32_t resolution);
 
+/// A grid of this side, or up to 1/512 longer, around a position. It lies at multiples of eight voxels, so that what stands still keeps its
+/// voxels, and their mips up to the third, while the position moves; the position is within four voxels of its middle.
+Grid grid_around(glm::vec3 position, float side, uint32_t resolution);
+
 /// What cones read. Volumes hold values times opacity; times their unit they are W/m²/sr.
 struct View {
     Grid grid;
@@ -77,13 +83,14 @@ class Volume {
     static Result<Volume> create(rhi::Device& device, const Settings& settings, const Needs& needs);
 
     /// Fills albedo, area, normal and emission from geometry. `max_emission` is the highest radiance of any
-    /// emitter, W/m²/sr.
-    void voxelize(rhi::Commands& commands, const scene::GeometryView& geometry, float max_emission);
+    /// emitter, W/m²/sr. `grid`: of the volume's resolution; none: fit_grid of the geometry. What lies outside is left out.
+    void voxelize(rhi::Commands& commands, const scene::GeometryView& geometry, float max_emission,
+                  const std::optional<Grid>& grid = {});
     /// As voxelize() of `after`, bit by bit, where only the draws of these numbers differ from `before`, which is what was
     /// last voxelized: they alone are voxelized, out of the old place and into the new one. All are where the grid
-    /// changes with the bounds, in an octree, and where the range is not order-free. Of a volume that is moving.
+    /// changes, in an octree, and where the range is not order-free. Of a volume that is moving.
     void move(rhi::Commands& commands, const scene::GeometryView& before, const scene::GeometryView& after,
-              std::span<const uint32_t> draws, float max_emission);
+              std::span<const uint32_t> draws, float max_emission, const std::optional<Grid>& grid = {});
     /// Fills the radiance with what the lights' shadow maps saw, or with opacity alone, and makes its mips.
     void inject(rhi::Commands& commands, const shadow::View* lights);
 

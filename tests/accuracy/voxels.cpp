@@ -263,5 +263,22 @@ TEST_P(VoxelizeTest, ClosedBodiesAreWatertight) {
     }
 }
 
+TEST_P(VoxelizeTest, FragmentsAreCounted) {
+    const scene::Scene scene = ball_scene();
+    const scene::GpuScene gpu = value_of(scene::GpuScene::create(device(), scene, true));
+    const voxels::OctreeStatistics statistics =
+        value_of(voxels::octree_statistics(device(), gpu.view(), side, std::get<1>(GetParam())));
+    const VoxelMap<VoxelSums> expected =
+        voxelized_on_cpu(grid_triangles(scene, voxels::fit_grid(scene::world_bounds(scene), side)), side);
+    uint64_t least = 0, greatest = 0;
+    for (const VoxelSums& sums : expected.values) {
+        least += sums.least_hits;
+        greatest += sums.greatest_hits;
+    }
+    EXPECT_GE(statistics.fragments, least);
+    EXPECT_LE(statistics.fragments, greatest);
+    EXPECT_GT(double(least), 0.9 * double(greatest));
+}
+
 }  // namespace
 }  // namespace lumo

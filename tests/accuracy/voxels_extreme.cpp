@@ -197,5 +197,60 @@ TEST_P(ExtremeVoxelsTest, AGridMovedByWholeVoxelsHasTheSameVoxels) {
     EXPECT_GT(count(moved), 500u);
 }
 
+/// A grid that follows a camera: what two places of it share has the same voxels.
+TEST_P(ExtremeVoxelsTest, AGridAroundACameraKeepsWhatStandsStill) {
+    const scene::Scene scene = turned_box();
+    const glm::vec3 eye(0.31f, -0.17f, 0.05f);
+    const voxels::Grid grid = voxels::grid_around(eye, 1.9f, side);
+    EXPECT_NEAR(grid.voxel_size * side, 1.9f, 1.9f / 512);
+    for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(grid.origin[c] + 0.5f * side * grid.voxel_size, eye[c], 4.01f * grid.voxel_size);
+    const VoxelMap<bool> still = occupied(scene, {.grid = grid});
+    EXPECT_GT(count(still), 300u);
+    for (const glm::vec3 way : {glm::vec3(3, 0, 0), glm::vec3(3, -11, 5), glm::vec3(-9, 3, 14)}) {
+        const voxels::Grid there = voxels::grid_around(eye + way * grid.voxel_size, 1.9f, side);
+        const glm::vec3 moved = (there.origin - grid.origin) / grid.voxel_size;
+        const glm::ivec3 shift(glm::round(moved));
+        EXPECT_EQ(glm::vec3(shift), moved);
+        EXPECT_EQ(shift % 8, glm::ivec3(0));
+        const VoxelMap<bool> seen = occupied(scene, {.grid = there});
+        size_t wrong = 0, shared = 0;
+        for_each_voxel(seen, [&](glm::ivec3 v) {
+            if (!still.contains(v + shift)) return;
+            shared += seen.get(v);
+            wrong += seen.get(v) != still.get(v + shift);
+        });
+        EXPECT_GT(shared, 100u);
+        EXPECT_LE(wrong, shared / 200);
+    }
+}
+
+/// A grid that moves on, from frame to frame in one volume, leaves nothing behind.
+TEST_P(ExtremeVoxelsTest, AGridThatMovesIsAsOneThatWasThere) {
+    const scene::Scene scene = turned_box();
+    const scene::GpuScene gpu = value_of(scene::GpuScene::create(device(), scene, true));
+    const scene::GeometryView geometry = gpu.view();
+    const auto at = [](float x) { return voxels::grid_around({x, 0.1f, 0}, 1.5f, side); };
+    Voxelized fresh = voxelized(scene, {.grid = at(0.4f)});
+    voxels::Volume volume = value_of(voxels::Volume::create(
+        device(), {.resolution = side, .voxelizer = std::get<1>(GetParam())},
+        {.triangles = voxels::count_triangles(geometry), .draws = uint32_t(geometry.draws.size())}));
+    for (const float x : {-0.6f, 0.0f, 0.4f}) {
+        rhi::Commands commands = device().begin();
+        volume.voxelize(commands, geometry, 0, at(x));
+        volume.inject(commands, nullptr);
+        value_of(device().wait(device().submit(std::move(commands))));
+    }
+    const auto expect_equal = [&](const rhi::Texture& a, const rhi::Texture& b) {
+        for (uint32_t mip = 0; mip < a.desc().mips; ++mip)
+            EXPECT_EQ(read_volume(device(), a, mip).bytes, read_volume(device(), b, mip).bytes)
+                << a.desc().name << " mip " << mip;
+    };
+    expect_equal(volume.albedo(), fresh.volume.albedo());
+    expect_equal(volume.area(), fresh.volume.area());
+    expect_equal(volume.radiance().base, fresh.volume.radiance().base);
+    expect_equal(volume.radiance().directions, fresh.volume.radiance().directions);
+}
+
 }  // namespace
 }  // namespace lumo

@@ -115,6 +115,7 @@ inline scene::Scene without_textures(scene::Scene scene) {
 
 struct VoxelOptions {
     std::optional<scene::Bounds> bounds = {};  ///< of the grid in place of the scene's
+    std::optional<voxels::Grid> grid = {};  ///< of the resolution, in place of one that is fitted to bounds
     uint32_t resolution = 32;
     std::optional<Sun> sun = {};
     std::vector<scene::Light> lights = {};  ///< beside the sun
@@ -168,7 +169,7 @@ inline Voxelized voxelize(rhi::Device& device, const scene::Scene& scene, const 
                                                                 .storage = options.storage,
                                                                 .range = options.range},
                                                                needs)),
-                     .grid = voxels::fit_grid(geometry.bounds, options.resolution)};
+                     .grid = options.grid.value_or(voxels::fit_grid(geometry.bounds, options.resolution))};
     uint32_t cameras = 0;
     for (const scene::Light& light : lights) cameras += shadow::camera_count(light);
     auto shadow =
@@ -181,7 +182,7 @@ inline Voxelized voxelize(rhi::Device& device, const scene::Scene& scene, const 
         seen = shadow.record(commands, geometry, lights);
         result.light = seen->lights[0].cameras[0];
     }
-    result.volume.voxelize(commands, geometry, highest_emission(scene));
+    result.volume.voxelize(commands, geometry, highest_emission(scene), options.grid);
     result.volume.inject(commands, seen ? &*seen : nullptr);
     value_of(device.wait(device.submit(std::move(commands))));
     return result;
