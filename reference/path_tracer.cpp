@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <mutex>
 #include <new>
+#include <numbers>
 #include <system_error>
 #include <thread>
 
@@ -22,7 +23,8 @@ namespace lumo::reference {
 namespace {
 
 constexpr std::array<std::string_view, traced_layer_count> layer_names{
-    "radiance", "direct", "indirect", "irradiance", "specular", "emission", "albedo", "normal", "depth"};
+    "radiance", "direct",   "indirect", "irradiance", "specular",
+    "ao",       "emission", "albedo",   "normal",     "depth"};
 
 constexpr size_t light_layers = size_t(TracedLayer::emission) + 1;
 using LightSums = std::array<glm::dvec3, light_layers>;
@@ -120,7 +122,12 @@ glm::dvec3 sum(const Reflected& reflected) { return reflected.diffuse + reflecte
 class Tracer {
   public:
     Tracer(const scene::Scene& scene, const PathTracerSettings& settings, RayScene rays)
-        : scene_(scene), settings_(settings), rays_(std::move(rays)), emitters_(scene), environment_(scene) {}
+        : scene_(scene),
+          settings_(settings),
+          occlusion_(std::ranges::find(settings.layers, TracedLayer::ao) != settings.layers.end()),
+          rays_(std::move(rays)),
+          emitters_(scene),
+          environment_(scene) {}
 
     LightSums sample(const Ray& ray, const Sampler& sampler) const;
     /// Albedo, normal and (in the first channel) depth.
@@ -135,9 +142,11 @@ class Tracer {
     std::optional<Arrival> gathered(const Vertex& vertex, const DirectionSampler& directions,
                                     const Sampler& sampler) const;
     glm::dvec3 incoming(Ray ray, double density, const Sampler& sampler) const;
+    double openness(const Vertex& vertex, const Sampler& sampler) const;
 
     const scene::Scene& scene_;
     const PathTracerSettings& settings_;
+    bool occlusion_;  ///< is asked for
     RayScene rays_;
     Emitters emitters_;
     Environment environment_;
@@ -282,6 +291,22 @@ glm::dvec3 Tracer::incoming(Ray ray, double density, const Sampler& sampler) con
     }
 }
 
+/// Ambient occlusion by one direction, drawn by the cosine; what lies behind the triangle is hidden.
+double Tracer::openness(const Vertex& vertex, const Sampler& sampler) const {
+    const glm::dvec2 at = sampler.pair(vertex.dimension + lobe_direction);
+    const double sine = std::sqrt(at.x), angle = 2 * std::numbers::pi * at.y;
+    const glm::dvec3 way =
+        vertex.frame * glm::dvec3(sine * std::cos(angle), sine * std::sin(angle), std::sqrt(1 - at.x));
+    if (!vertex.above(way)) return 0;
+    const glm::dvec3 origin = vertex.surface.above();
+    const std::optional<Hit> hit = rays_.intersect({.origin = origin, .direction = way}, Faces::both,
+                                                   sampler.word(vertex.dimension + ray_seed));
+    if (!hit) return 1;
+    const double distance =
+        glm::length(surface_at(scene_, *hit, way, settings_.diffuse_materials).position - origin);
+    return 1 - 1 / (1 + distance / double(settings_.ao_radius));
+}
+
 LightSums Tracer::sample(const Ray& ray, const Sampler& sampler) const {
     LightSums result{};
     const auto layer = [&](TracedLayer l) -> glm::dvec3& { return result[size_t(l)]; };
@@ -308,6 +333,7 @@ LightSums Tracer::sample(const Ray& ray, const Sampler& sampler) const {
         layer(TracedLayer::indirect) += light->radiance * reflected.diffuse;
         layer(TracedLayer::specular) += light->radiance * reflected.specular;
     }
+    if (occlusion_) layer(TracedLayer::ao) = glm::dvec3(openness(vertex, sampler));
     layer(TracedLayer::direct) = sum(analytic(vertex, sampler));
     layer(TracedLayer::emission) = vertex.surface.emission;
     layer(TracedLayer::radiance) = layer(TracedLayer::direct) + layer(TracedLayer::indirect) +

@@ -28,10 +28,13 @@ enum class TracedLayer : uint8_t {
     indirect,    ///< light from all else, emitters and environment included, reflected by the diffuse lobe
     irradiance,  ///< what indirect integrates over the hemisphere of the shading normal, W/m²
     specular,    ///< the same light as indirect's, reflected by the specular lobe
-    emission,    ///< what reaches the camera unreflected, the environment included
-    albedo,      ///< linear base colour
-    normal,      ///< shading normal, world space
-    depth,       ///< distance along the optical axis, metres; 0 where nothing is
+    /// Ambient occlusion over the hemisphere of the shading normal: 1 - the integral of cos / pi / (1 + distance /
+    /// ao_radius) over what is met; 0 where nothing is drawn, or nothing that light falls on.
+    ao,
+    emission,  ///< what reaches the camera unreflected, the environment included
+    albedo,    ///< linear base colour
+    normal,    ///< shading normal, world space
+    depth,     ///< distance along the optical axis, metres; 0 where nothing is
 };
 inline constexpr int traced_layer_count = int(TracedLayer::depth) + 1;
 std::string_view to_string(TracedLayer layer);
@@ -52,6 +55,7 @@ struct PathTracerSettings {
     /// Samples at pixel centres, as the renderer without antialiasing has them; else a pixel is the mean over its
     /// square. The layers albedo, normal and depth are always at the centres.
     bool pixel_centers_only = false;
+    float ao_radius = 1;   ///< metres, above 0, where occlusion counts half
     uint32_t threads = 0;  ///< 0: as many as the machine runs at once; the result is the same for any number
     std::vector<TracedLayer> layers{TracedLayer::radiance};
 };

@@ -13,6 +13,7 @@ Result<int> diff(const Options& options);
 Result<int> devices(const Options& options);
 Result<int> bench(const Options& options);
 Result<int> report(const Options& options);
+Result<int> tune(const Options& options);
 Result<int> probe(const Options& options);
 
 /// The build, and the devices with their drivers.

@@ -26,6 +26,8 @@ Result<int> run(const Options& options) {
             return bench(options);
         case Command::report:
             return report(options);
+        case Command::tune:
+            return tune(options);
         case Command::probe:
             return probe(options);
         case Command::version:

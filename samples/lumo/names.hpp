@@ -29,6 +29,16 @@ inline std::filesystem::path tagged(const std::filesystem::path& file, std::stri
     return file.parent_path() / name;
 }
 
+/// As a shell takes it: quoted where it has to be.
+inline std::string shell_argument(const std::string& text) {
+    constexpr std::string_view plain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+,.:/";
+    if (!text.empty() && text.find_first_not_of(plain) == std::string::npos) return text;
+    std::string quoted = "'";
+    for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return quoted + "'";
+}
+
 inline std::string_view to_string(scene::LightKind kind) {
     switch (kind) {
         case scene::LightKind::directional:

@@ -24,7 +24,7 @@ enum ExitCode : int {
     exit_failed = 2,
 };
 
-enum class Command : uint8_t { render, check, diff, devices, bench, probe, report, version };
+enum class Command : uint8_t { render, check, diff, devices, bench, probe, report, tune, version };
 enum class ApiChoice : uint8_t { first, vulkan, gl, both };
 enum class ParityChoice : uint8_t { mesa, hardware };
 
@@ -89,10 +89,14 @@ struct Options {
     std::string benchmark = {};
     /// Settings that the command line or the configuration gave, by their names without dashes.
     std::set<std::string> given = {};
+    std::filesystem::path truth = {};  ///< of the sky, for its benchmark; none if empty
     uint32_t runs = 5;  ///< of a benchmark: its figures are medians of so many
 
     std::vector<std::string> vary = {};  ///< of a report: NAME=V1,V2,...
     std::vector<std::string> also = {};  ///< of a report: NAME=V,NAME=V,...
+
+    std::optional<double> max_error = {};  ///< of tune: relative RMSE, as a part of 1
+    std::optional<double> max_ms = {};     ///< of tune: GPU time of a frame
 };
 
 /// A setting by its name without dashes, and its value as on the command line.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "reference/path_tracer.hpp"
+#include "techniques/frame/plan.hpp"
 
 namespace lumo::program {
 namespace {
@@ -43,6 +44,7 @@ Result<TracedPicture> trace(const Options& options, const std::vector<std::strin
                                            .bounces = options.frame.bounces,
                                            .diffuse_materials = options.frame.diffuse_materials,
                                            .pixel_centers_only = true,
+                                           .ao_radius = frame::ao_radius(scene, options.frame),
                                            .layers = {}};
     for (const frame::Layer layer : options.frame.layers) settings.layers.push_back(*traced_layer(layer));
 

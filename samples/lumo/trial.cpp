@@ -63,11 +63,10 @@ class Runs {
   private:
     bool wants_more() const {
         const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start_;
-        if (frames_.size() >= limits_.most) return false;
+        if (frames_.size() >= limits_.most || passed.count() > limits_.seconds) return false;
         if (frames_.size() < limits_.least) return true;
         const double median = spread_of(frames_).median;
-        return passed.count() < limits_.seconds &&
-               error_of_median(frames_, median) > limits_.precision * median;
+        return error_of_median(frames_, median) > limits_.precision * median;
     }
 
     RunLimits limits_;
@@ -150,8 +149,10 @@ Result<reference::PathTraced> truth_of(const scene::Scene& scene, const scene::C
                                          .height = settings.size.height,
                                          .spp = truth.spp,
                                          .bounces = truth.bounces,
+                                         .seed = truth.seed,
                                          .diffuse_materials = settings.diffuse_materials,
                                          .pixel_centers_only = true,
+                                         .ao_radius = frame::ao_radius(scene, settings),
                                          .layers = {}};
     for (const frame::Layer layer : settings.layers)
         if (const auto traced = traced_light(layer)) tracer.layers.push_back(*traced);

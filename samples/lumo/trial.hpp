@@ -18,11 +18,12 @@
 
 namespace lumo::program {
 
-/// How often a frame is rendered after one that warms up: until the median of its GPU time is as stable as asked.
+/// How often a frame is rendered after one that warms up: until the median of its GPU time is as stable as asked, but
+/// no more where so many seconds have passed.
 struct RunLimits {
     uint32_t least = 3;
     uint32_t most = 15;
-    double seconds = 10;      ///< after so many no other frame begins, if there are `least`
+    double seconds = 4;
     double precision = 0.02;  ///< standard error of the median over the median
 };
 
@@ -76,6 +77,7 @@ class TrialDevice {
 struct TruthSettings {
     uint32_t spp = 256;
     std::optional<uint32_t> bounces = 1;  ///< none: all
+    uint32_t seed = 1;                    ///< another one has other noise
 };
 
 /// The frame's layers of light by the path tracer, and emission, at pixel centres as frames are; from the cache where it

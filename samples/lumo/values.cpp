@@ -66,6 +66,19 @@ Result<double> parse_number(std::string_view text) {
     return expected(text, "a number");
 }
 
+Result<double> parse_positive(std::string_view text) {
+    const auto value = number(text);
+    if (!value || *value <= 0) return expected(text, "a number above 0");
+    return *value;
+}
+
+Result<double> parse_ratio(std::string_view text) {
+    const bool percent = text.ends_with('%');
+    const auto value = number(percent ? text.substr(0, text.size() - 1) : text);
+    if (!value || *value <= 0) return expected(text, "a number above 0, or one with %");
+    return percent ? *value / 100 : *value;
+}
+
 Result<uint32_t> parse_integer(std::string_view text, uint32_t lowest, uint32_t highest) {
     const auto value = integer(text);
     if (!value || *value < lowest || *value > highest)

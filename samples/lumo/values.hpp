@@ -12,7 +12,9 @@ namespace lumo::program {
 
 // Errors: invalid_argument with the text as subject and what was expected as message.
 
-Result<double> parse_number(std::string_view text);  ///< finite
+Result<double> parse_number(std::string_view text);    ///< finite
+Result<double> parse_positive(std::string_view text);  ///< above 0
+Result<double> parse_ratio(std::string_view text);     ///< above 0; 25% is 0.25
 Result<uint32_t> parse_integer(std::string_view text, uint32_t lowest, uint32_t highest);
 Result<rhi::Extent> parse_size(std::string_view text);     ///< WxH
 Result<uint32_t> parse_voxels(std::string_view text);      ///< a power of two, 16 to 1024

@@ -40,6 +40,12 @@ Settings resolve(Settings settings, const SceneFacts& facts) {
     return settings;
 }
 
+float ao_radius(const scene::Scene& scene, const Settings& settings) {
+    const voxels::Grid grid = voxels::fit_grid(world_bounds(scene), settings.voxels.resolution);
+    const float side = settings.voxels.grid_size.value_or(grid.voxel_size * float(grid.resolution));
+    return settings.ao_radius.value_or(0.1f * side);
+}
+
 bool Plan::needs(std::string_view what) const {
     const auto item =
         std::find_if(items.begin(), items.end(), [&](const PlanItem& i) { return i.what == what; });

@@ -38,6 +38,9 @@ SceneFacts examine(const scene::Scene& scene, const Settings& settings);
 /// The settings with what they leave to the scene decided. Plans and frames are made of these.
 Settings resolve(Settings settings, const SceneFacts& facts);
 
+/// Settings::ao_radius, or what stands for it in this scene; metres.
+float ao_radius(const scene::Scene& scene, const Settings& settings);
+
 /// One thing that a frame may hold.
 struct PlanItem {
     std::string what;  ///< as passes and resources name it

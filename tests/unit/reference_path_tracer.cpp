@@ -374,6 +374,34 @@ TEST(Layers, OfTheSurfaceAreThoseAtThePixelsCentre) {
 
 // -- surfaces ---------------------------------------------------------------------------------------------
 
+/// Between parallel planes at a distance h, a direction at the cosine c meets the other one at h / c: the integral of
+/// 2 c / (1 + h / (r c)) over c is 1 - 2 q (1 - q log(1 + 1 / q)), q = h / r.
+TEST(AmbientOcclusion, BetweenParallelPlanes) {
+    for (const double distance : {0.25, 1.0, 4.0}) {
+        Scene scene;
+        const uint32_t white = add_diffuse_material(scene, "white", glm::vec3(0.5f));
+        place(scene, floor_square(100), white);
+        place(scene, floor_square(100, {0, float(distance), 0}), white);
+        PathTracerSettings settings = tiny(4096);
+        settings.layers = {TracedLayer::ao};
+        settings.ao_radius = 2;
+        const PathTraced result =
+            traced(scene, spot_camera(glm::vec3(0), glm::vec3(0.1f, 0.2f, 0.1f)), settings);
+        const double q = distance / 2;
+        const double hidden = 1 - 2 * q * (1 - q * std::log(1 + 1 / q));
+        EXPECT_NEAR(mean_of(result, TracedLayer::ao), 1 - hidden, 0.005 * (1 - hidden)) << distance;
+    }
+}
+
+TEST(AmbientOcclusion, IsOneInTheOpenAndZeroWhereNothingIsDrawn) {
+    Scene scene;
+    place(scene, floor_square(1), add_diffuse_material(scene, "white", glm::vec3(0.5f)));
+    PathTracerSettings settings = tiny(2);
+    settings.layers = {TracedLayer::ao};
+    EXPECT_EQ(mean_of(traced(scene, spot_camera(), settings), TracedLayer::ao), 1);
+    EXPECT_EQ(mean_of(traced(scene, spot_camera({5, 0, 5}), settings), TracedLayer::ao), 0);
+}
+
 TEST(Surfaces, OfOneSideAreSeenFromTheFrontAlone) {
     Scene scene;
     const uint32_t lamp = add_lamp(scene, glm::vec3(1));

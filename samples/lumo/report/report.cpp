@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "samples/lumo/commands.hpp"
+#include "samples/lumo/names.hpp"
 #include "samples/lumo/report/findings.hpp"
 #include "samples/lumo/report/page.hpp"
 #include "samples/lumo/report/plots.hpp"
@@ -56,16 +57,6 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
     return scene::write_file(file, std::as_bytes(std::span(text)));
 }
 
-/// Quoted for a shell where it has to be.
-std::string argument(const std::string& text) {
-    constexpr std::string_view plain =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=+,.:/";
-    if (!text.empty() && text.find_first_not_of(plain) == std::string::npos) return text;
-    std::string quoted = "'";
-    for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return quoted + "'";
-}
-
 Result<void> write(const Findings& findings, const std::filesystem::path& folder) {
     if (Result<void> done = write_json(folder / "report.json", to_json(findings)); !done) return done;
     if (Result<void> done = write_text(folder / "report.csv", to_csv(findings)); !done) return done;
@@ -106,14 +97,14 @@ std::string summary(const Findings& findings) {
 }  // namespace
 
 std::string command_of(const Options& options) {
-    std::string text = "lumo report " + argument(options.scene);
+    std::string text = "lumo report " + shell_argument(options.scene);
     for (const auto& [name, value] : options.settings.items()) {
         if (name == "scene" || !options.given.contains(name)) continue;
         text += " --" + name;
-        if (!value.is_boolean()) text += " " + argument(value_of(options, name));
+        if (!value.is_boolean()) text += " " + shell_argument(value_of(options, name));
     }
-    for (const std::string& axis : options.vary) text += " --vary " + argument(axis);
-    for (const std::string& more : options.also) text += " --also " + argument(more);
+    for (const std::string& axis : options.vary) text += " --vary " + shell_argument(axis);
+    for (const std::string& more : options.also) text += " --also " + shell_argument(more);
     return text;
 }
 
