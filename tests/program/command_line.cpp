@@ -7,7 +7,7 @@ namespace {
 class CommandLine : public Program {};
 
 TEST_F(CommandLine, HelpOfEverySubcommandHasExamples) {
-    for (const std::string name : {"render", "check", "diff", "devices", "bench", "probe"}) {
+    for (const std::string name : {"render", "check", "diff", "devices", "bench", "probe", "report"}) {
         const Outcome run = done({name, "--help"});
         EXPECT_TRUE(contains(run.out, "Examples:\n  lumo " + name)) << run.out;
         EXPECT_EQ(run.err, "");
@@ -16,7 +16,7 @@ TEST_F(CommandLine, HelpOfEverySubcommandHasExamples) {
 
 TEST_F(CommandLine, HelpListsTheSubcommands) {
     const Outcome run = done({"--help"});
-    for (const char* name : {"render", "check", "diff", "devices", "bench", "probe"})
+    for (const char* name : {"render", "check", "diff", "devices", "bench", "probe", "report"})
         EXPECT_TRUE(contains(run.out, name));
 }
 

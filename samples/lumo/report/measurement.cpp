@@ -49,14 +49,12 @@ Json to_json(const Measurement& measurement) {
     json["bytes"] = measurement.bytes;
     json["errors"] = to_json(measurement.errors);
     json["errors_all_bounces"] = to_json(measurement.errors_all_bounces);
-    Json &passes = json["passes"] = Json::array(), &memory = json["memory"] = Json::array(),
-         &left_out = json["left_out"] = Json::array();
-    for (const PassCost& pass : measurement.passes)
-        passes.push_back({{"name", pass.name}, {"gpu_ms", pass.gpu_ms}});
+    Json &passes = json["passes"] = Json::object(), &memory = json["memory"] = Json::object(),
+         &left_out = json["left_out"] = Json::object();
+    for (const PassCost& pass : measurement.passes) passes[pass.name] = pass.gpu_ms;
     for (const rhi::MemoryEntry& entry : measurement.memory)
-        memory.push_back({{"name", entry.name}, {"bytes", entry.bytes}});
-    for (const LeftOut& item : measurement.left_out)
-        left_out.push_back({{"what", item.what}, {"why", item.why}});
+        memory[entry.name] = memory.value(entry.name, uint64_t(0)) + entry.bytes;
+    for (const LeftOut& item : measurement.left_out) left_out[item.what] = item.why;
     return json;
 }
 
@@ -73,12 +71,12 @@ std::optional<Measurement> measurement_of(const Json& json) {
         measurement.bytes = json.at("bytes");
         measurement.errors = errors_of(json.at("errors"));
         measurement.errors_all_bounces = errors_of(json.at("errors_all_bounces"));
-        for (const Json& pass : json.at("passes"))
-            measurement.passes.push_back({.name = pass.at("name"), .gpu_ms = pass.at("gpu_ms")});
-        for (const Json& entry : json.at("memory"))
-            measurement.memory.push_back({.name = entry.at("name"), .bytes = entry.at("bytes")});
-        for (const Json& item : json.at("left_out"))
-            measurement.left_out.push_back({.what = item.at("what"), .why = item.at("why")});
+        for (const auto& [name, gpu_ms] : json.at("passes").items())
+            measurement.passes.push_back({.name = name, .gpu_ms = gpu_ms});
+        for (const auto& [name, bytes] : json.at("memory").items())
+            measurement.memory.push_back({.name = name, .bytes = bytes});
+        for (const auto& [what, why] : json.at("left_out").items())
+            measurement.left_out.push_back({.what = what, .why = why});
         return measurement;
     } catch (const Json::exception&) {
         return std::nullopt;

@@ -137,12 +137,14 @@ std::string row_of(const Findings& findings, const DeviceFindings& device, const
     const LayerError* of_all = error_of(measured.errors_all_bounces, findings.layer);
     const LayerError* radiance = error_of(measured.errors, frame::Layer::radiance);
     if (!measured.does_not_fit.empty() || !error || !of_all || !radiance)
-        return text + fmt::format("<td class=wrap colspan=12>{}</td></tr>\n", escaped(measured.does_not_fit));
+        return text + fmt::format("<td class=wrap colspan=13>{}</td></tr>\n", escaped(measured.does_not_fit));
     text += fmt::format("<td>{:.2f}</td><td>{:.2f}</td><td>{}</td><td>{:.1f}</td>", measured.gpu_ms,
                         measured.gpu_ms_error, measured.runs, double(measured.bytes) / mib);
     for (const std::string& figure :
          {percent(error->relative_rmse), signed_percent(error->bias), percent(error->percentile95),
-          row.floor ? percent(*row.floor) : "", percent(row.above_front), percent(of_all->relative_rmse),
+          row.floor ? percent(*row.floor) : "",
+          row.floor && *row.floor > 0 ? fmt::format("{:.2f}", error->relative_rmse / *row.floor) : "",
+          row.on_front ? "" : percent(row.above_front), percent(of_all->relative_rmse),
           signed_percent(of_all->bias), fmt::format("{:.4f}", radiance->flip_mean)})
         text += fmt::format("<td>{}</td>", figure);
     return text + "</tr>\n";
@@ -155,7 +157,8 @@ std::string table(const Findings& findings) {
     text +=
         "<th>ms</th><th>±</th><th>frames</th><th>MiB</th><th>RMSE %</th><th>bias "
         "%</th><th>95th<br>percentile %</th>"
-        "<th>floor %</th><th>above<br>front %</th><th>all bounces:<br>RMSE %</th><th>bias %</th><th>ꟻLIP "
+        "<th>floor %</th><th>over<br>floor</th><th>above<br>front %</th><th>all bounces:<br>RMSE "
+        "%</th><th>bias %</th><th>ꟻLIP "
         "of<br>radiance</th></tr>\n";
     for (const DeviceFindings& device : findings.devices) {
         std::vector<const Row*> rows;

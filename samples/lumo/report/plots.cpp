@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::array colors{"#1f6fb4", "#d9622b", "#2a9d5c", "#8e5bb5", "#c43c5e", "#8a7a3c",
                             "#3fa7a3", "#5b5f97", "#b3882e", "#6c757d", "#a2577e", "#4d7c0f"};
-constexpr size_t most_bars = 40, most_parts = 11;
+constexpr size_t most_bars = 40, most_parts = 9;
+constexpr double least_width = 0.002;  // of a part, over the longest bar: less is not seen
 
 const char* color(size_t i) { return colors[i % colors.size()]; }
 
@@ -116,6 +117,14 @@ struct Bar {
     }
 };
 
+/// 1, 2 or 5 times a power of ten: at most 6 of them make `length`.
+double tic_step(double length) {
+    const double power = std::pow(10, std::floor(std::log10(std::max(length, 1e-9) / 6)));
+    for (const double step : {1, 2, 5})
+        if (length <= 6 * step * power) return step * power;
+    return 10 * power;
+}
+
 std::string stacked(const std::string& file, std::vector<Bar> bars, const std::string& unit) {
     std::map<std::string, double> largest;
     for (const Bar& bar : bars)
@@ -127,14 +136,16 @@ std::string stacked(const std::string& file, std::vector<Bar> bars, const std::s
     const bool others = names.size() > most_parts + 1;
     if (others) names.resize(most_parts);
 
-    std::string text = begin_plot(file, 860, 90 + 18 * int(std::max<size_t>(bars.size(), 8)));
+    std::string text = begin_plot(file, 860, 80 + 18 * int(std::max(bars.size(), most_parts + 1)));
     if (names.empty()) return text;
+    const double longest = std::ranges::max(bars, {}, &Bar::sum).sum();
     std::vector<std::string> blocks(names.size() + (others ? 1 : 0));
     text += "set ytics (";
     for (size_t i = 0; i < bars.size(); ++i) {
         double end = 0;
         const auto add = [&](std::string& block, double value) {
-            block += fmt::format("{:.6g} {:.6g} {}\n", end, end + value, i);
+            if (value > least_width * longest)
+                block += fmt::format("{:.5g} {:.5g} {}\n", end, end + value, i);
             end += value;
         };
         for (size_t part = 0; part < names.size(); ++part) add(blocks[part], bars[i].parts[names[part]]);
@@ -142,12 +153,15 @@ std::string stacked(const std::string& file, std::vector<Bar> bars, const std::s
         text += fmt::format("{}{} {}", i ? ", " : "", gnuplot_string(bars[i].label), i);
     }
     text += fmt::format(
-        ")\nset yrange [{}:-1]\nset xrange [0:*]\nset xlabel '{}'\nset key outside right top\n"
+        ")\nset yrange [{}:-1]\nset xrange [0:{:.5g}]\nset xtics {:.5g}\nset xlabel '{}'\n"
+        "set key outside right top vertical maxcols 1\n"
         "set style fill solid 0.9 noborder\nunset grid\nset grid xtics lc rgb '#dddddd'\n",
-        bars.size(), unit);
+        bars.size(), 1.02 * longest, tic_step(longest), unit);
     if (others) names.emplace_back("others");
+    // Outside of the plot, so that a part that is too small to be seen still has its name.
     for (size_t part = 0; part < blocks.size(); ++part)
-        text += fmt::format("$part{} << EOD\n{}EOD\n", part, blocks[part]);
+        text +=
+            fmt::format("$part{} << EOD\n{}EOD\n", part, blocks[part].empty() ? "0 0 -9\n" : blocks[part]);
     text += "plot ";
     for (size_t part = 0; part < blocks.size(); ++part)
         text += fmt::format(
