@@ -54,8 +54,10 @@ bool Plan::needs(std::string_view what) const {
 
 Plan make_plan(const SceneFacts& facts, const Settings& settings) {
     Plan plan;
-    const auto decide = [&](std::string what, bool needed, std::string if_needed, std::string if_not) {
-        const bool forced = !needed && settings.plan == PlanMode::full;
+    // `possible`: it may be forced, and leaves the picture as it is.
+    const auto decide = [&](std::string what, bool needed, std::string if_needed, std::string if_not,
+                            bool possible = true) {
+        const bool forced = !needed && possible && settings.plan == PlanMode::full;
         plan.items.push_back({std::move(what), needed || forced,
                               needed   ? std::move(if_needed)
                               : forced ? "forced: " + if_not
@@ -107,7 +109,8 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
     decide("cones.specular", gi && facts.specular, "materials have a specular lobe",
            !gi                          ? no_gi
            : settings.diffuse_materials ? "materials are taken as diffuse"
-                                        : "every material is unlit");
+                                        : "every material is unlit",
+           !settings.diffuse_materials);
     decide("sky.map", gi && facts.sky, "cones that leave the scene see the sky",
            gi ? "the scene has no sky" : no_gi);
     const bool shown = settings.wants(Layer::final) || settings.wants(Layer::radiance);
@@ -119,7 +122,8 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
            surfaces ? "the layer ao is not asked for" : "the scene has no triangles");
     decide("lighting", true, "every pixel has a radiance", "");
     decide("lighting.specular", facts.specular, "materials have a specular lobe",
-           settings.diffuse_materials ? "materials are taken as diffuse" : "every material is unlit");
+           settings.diffuse_materials ? "materials are taken as diffuse" : "every material is unlit",
+           !settings.diffuse_materials);
     decide("blend", facts.alpha_blend, "some materials are blended", "no material has alpha mode BLEND");
     decide("post", settings.wants(Layer::final), "the picture is for a display",
            "no layer is display-referred");

@@ -147,6 +147,15 @@ TEST(Plan, DisplayOnlyWhereItIsShown) {
     EXPECT_FALSE(make_plan(surfaces(), {.layers = {Layer::radiance, Layer::depth}}).needs("post"));
 }
 
+TEST(Plan, WhatTheSettingsRuleOutIsNotForced) {
+    const Settings settings{.diffuse_materials = true, .plan = PlanMode::full};
+    const Plan plan = make_plan({.triangles = 5, .lights = true}, settings);
+    for (const char* what : {"cones.specular", "lighting.specular"}) {
+        EXPECT_FALSE(plan.needs(what)) << what;
+        EXPECT_THAT(item(plan, what).why, HasSubstr("taken as diffuse"));
+    }
+}
+
 /// Every combination of facts: full needs all, mentions the same, never changes what automatic says of the rest.
 TEST(Plan, FullForcesEverythingAndSaysSo) {
     for (unsigned bits = 0; bits < 1u << 10; ++bits) {
