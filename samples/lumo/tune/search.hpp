@@ -50,7 +50,7 @@ struct SearchResult {
 };
 
 /// Measures the start, then every other value of each axis by itself. What an axis changes is taken to be the same whatever
-/// the other axes are, as a factor or as a term of the cost and of the squared error, whichever promises more; that is
+/// the other axes are, as a factor and as a term of the cost and of the squared error, of which the mean is taken; that is
 /// corrected by how far it was off at the places measured since, the nearest most. The most promising place is measured
 /// next, until none promises more than the best one measured, or the limits are reached. The best that meets the goal is
 /// then measured by `again`, which should share nothing with the first time but the configuration; where it does not keep
