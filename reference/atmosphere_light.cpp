@@ -123,13 +123,54 @@ double sample_rayleigh(double u) {
     return std::clamp(root - 1 / root, -1.0, 1.0);
 }
 
+/// About how much of the sun reaches a point of the air, 0 to 1: a coarse table of its mean over the wavelengths.
+class SunTable {
+  public:
+    explicit SunTable(const AtmosphereOptics& optics) : optics_(optics) {
+        lowest_ = -1.1 * (optics.atmosphere().sun_angular_radius_deg * (pi / 180));
+        for (size_t i = 0; i < altitudes; ++i) {
+            const double part = double(i) / (altitudes - 1);
+            const double h = optics.atmosphere().height_km() * part * part;
+            for (size_t k = 0; k < places; ++k) {
+                const double place = double(k) / (places - 1);
+                const double mu = std::min(optics.horizon_mu(h) + lowest_ + place * place * width, 1.0);
+                const double visible = optics.sun_visibility(h, mu);
+                if (visible <= 0) continue;
+                for (const double t : optics.transmittance(optics.sun_column(h, mu)))
+                    values_[i * places + k] += visible * t / double(optics.wavelengths());
+            }
+        }
+    }
+
+    double at(double h, double mu_sun) const {
+        const double above = mu_sun - optics_.horizon_mu(h) - lowest_;
+        if (above <= 0) return 0;
+        const double x = std::sqrt(std::min(above / width, 1.0)) * (places - 1);
+        const double y = std::sqrt(std::min(h / optics_.atmosphere().height_km(), 1.0)) * (altitudes - 1);
+        const size_t k = std::min(size_t(x), places - 2), i = std::min(size_t(y), altitudes - 2);
+        const double* low = &values_[i * places + k];
+        const double* high = low + places;
+        return std::lerp(std::lerp(low[0], low[1], x - double(k)), std::lerp(high[0], high[1], x - double(k)),
+                         y - double(i));
+    }
+
+  private:
+    static constexpr size_t altitudes = 12, places = 16;
+    static constexpr double width = 0.4;  ///< in the cosine, above the horizon: what is higher is alike
+
+    const AtmosphereOptics& optics_;
+    double lowest_ = 0;
+    std::array<double, altitudes * places> values_{};
+};
+
 /// Paths from the eye, with the sun asked for at each event (next-event estimation). Distances and directions are drawn
-/// for the mean over the wavelengths, by densities that are known exactly; what they are weighted with is exact for
-/// each wavelength, so that the estimate is unbiased however coarse the density is.
+/// for the mean over the wavelengths, distances in part for what scatters and in part for what scatters sunlight, by
+/// densities that are known exactly; what they are weighted with is exact for each wavelength, so that the estimate is
+/// unbiased however coarse the density is.
 class PathIntegrator {
   public:
     PathIntegrator(const AtmosphereOptics& optics, glm::dvec3 to_sun, const PathSettings& settings)
-        : optics_(optics), a_(optics.atmosphere()), to_sun_(to_sun), settings_(settings) {}
+        : optics_(optics), a_(optics.atmosphere()), sun_(optics), to_sun_(to_sun), settings_(settings) {}
 
     /// Adds factor · the radiance that one path finds.
     void trace(double h, glm::dvec3 along, double max_distance, double factor, Random& random,
@@ -138,7 +179,7 @@ class PathIntegrator {
         throughput_.assign(optics_.wavelengths(), factor);
         for (uint32_t order = 1; order <= settings_.last_order; ++order) {
             const bool first = order == 1;
-            if (!move(at, along, first ? max_distance : infinite, first, random)) return;
+            if (!move(at, along, first ? max_distance : infinite, order, random)) return;
             if (order >= settings_.first_order) add_sun(at, along, sum);
             if (order == settings_.last_order || !survives(order, random)) return;
             along = at.ground ? reflect(at, random) : scatter(at, along, random);
@@ -170,7 +211,7 @@ class PathIntegrator {
 
     /// To the next event; false if there is none. Distances have a density that is constant in each of some bins, which
     /// are finer toward the ground, where the air is; a hundredth of it is uniform over the distance.
-    bool move(Vertex& at, glm::dvec3 along, double max_distance, bool in_air, Random& random) {
+    bool move(Vertex& at, glm::dvec3 along, double max_distance, uint32_t order, Random& random) {
         const RayPoint start{.h = at.h, .mu = std::clamp(glm::dot(at.up, along), -1.0, 1.0)};
         // Rounding must not send light from the ground into it.
         const auto path =
@@ -193,21 +234,42 @@ class PathIntegrator {
             const double u = double(i - falling) / double(bins - falling);
             edge[i] = lowest + (length - lowest) * u * u;
         }
-        std::array<double, bins> weight;
-        double depth = 0, total = 0;
+        const double nu = glm::dot(along, to_sun_);
+        const double r_sun = optics_.radius(at.h) * glm::dot(at.up, to_sun_) + nu * path->entry;
+        std::array<double, bins> weight, sunlit;
+        double depth = 0, all_weight = 0, all_sunlit = 0;
         for (size_t i = 0; i < bins; ++i) {
-            const double width = edge[i + 1] - edge[i];
-            const Densities d = optics_.densities(optics_.along(path->at, 0.5 * (edge[i] + edge[i + 1])).h);
+            const double width = edge[i + 1] - edge[i], middle = 0.5 * (edge[i] + edge[i + 1]);
+            const double h = optics_.along(path->at, middle).h;
+            const Densities d = optics_.densities(h);
             const double bin_depth = mean_extinction(d) * width;
             weight[i] = mean_scattering(d) * width * std::exp(-depth - 0.5 * std::min(bin_depth, 2.0));
+            sunlit[i] = weight[i] * sun_.at(h, (r_sun + nu * middle) / optics_.radius(h));
             depth += bin_depth;
+            all_weight += weight[i];
+            all_sunlit += sunlit[i];
+        }
+        // Toward the sun the ground is four times as bright as air that scatters as much in all directions.
+        const double mu_sun = (r_sun + nu * length) / a_.radius_ground_km;
+        const double reflected = reaches_ground && order > 1 ? std::exp(-depth) * mean_albedo() : 0;
+        const double reflected_sun =
+            reflected > 0 ? 4 * reflected * std::max(mu_sun, 0.0) * sun_.at(0, mu_sun) : 0;
+        all_weight += reflected;
+        all_sunlit += reflected_sun;
+        if (all_weight <= 0) return false;
+        const double part = sunlit_part(order, all_sunlit);
+        const auto mixed = [&](double any, double lit) {
+            return (1 - part) * any / all_weight + (part > 0 ? part * lit / all_sunlit : 0);
+        };
+        double total = 0;
+        for (size_t i = 0; i < bins; ++i) {
+            weight[i] = mixed(weight[i], sunlit[i]);
             total += weight[i];
         }
-        const double reflected = reaches_ground && !in_air ? std::exp(-depth) * mean_albedo() : 0;
-        if (total + reflected <= 0) return false;
 
-        double chance_of_air = total / (total + reflected);
-        if (reflected > 0 && total > 0) chance_of_air = std::clamp(chance_of_air, 0.05, 0.95);
+        const double reflection = mixed(reflected, reflected_sun);
+        double chance_of_air = total / (total + reflection);
+        if (reflection > 0 && total > 0) chance_of_air = std::clamp(chance_of_air, 0.05, 0.95);
         double distance = length;
         if (random.number() < chance_of_air) {
             constexpr double uniform = 0.01;
@@ -236,6 +298,11 @@ class PathIntegrator {
         return true;
     }
 
+    /// How many distances are drawn for sunlight: none where it does not count, most where nothing else follows.
+    double sunlit_part(uint32_t order, double all_sunlit) const {
+        if (order < settings_.first_order || all_sunlit <= 0) return 0;
+        return order == settings_.last_order ? 0.9 : 0.5;
+    }
     double mean_albedo() const {
         double sum = 0;
         for (const double albedo : a_.ground_albedo) sum += albedo;
@@ -294,6 +361,7 @@ class PathIntegrator {
 
     const AtmosphereOptics& optics_;
     const Atmosphere& a_;
+    SunTable sun_;
     glm::dvec3 to_sun_;
     PathSettings settings_;
     Spectrum throughput_ = {};
