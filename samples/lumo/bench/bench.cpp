@@ -17,6 +17,9 @@ constexpr std::array table{
               "the paper's table 1: times to voxelize, inject light and trace cones, by configuration",
               bench_voxels},
     Benchmark{"memory", "the paper's table 2: an octree's size from 32 to 1024 voxels a side", bench_memory},
+    Benchmark{"atmosphere",
+              "the sky's tables: time, memory and time a pixel by preset and size; errors, with --truth",
+              bench_atmosphere},
     Benchmark{"rhi", "CPU time per draw and dispatch against OpenGL and Vulkan alone; bandwidth; pass times",
               bench_rhi},
 };

@@ -34,6 +34,7 @@ std::span<const Benchmark> benchmarks();
 Result<BenchReport> bench_voxels(const Options& options);
 Result<BenchReport> bench_memory(const Options& options);
 Result<BenchReport> bench_rhi(const Options& options);
+Result<BenchReport> bench_atmosphere(const Options& options);
 
 /// Of repeated measurements.
 struct Spread {
