@@ -62,6 +62,8 @@ vec4 peaks(float nu) {
     return textureLod(air_peaks, texel_centred(vec2(sqrt(max(0.5 - 0.5 * nu, 0.0)), 0), size), 0.0);
 }
 
+const float free_paths = 4.0;
+
 // x if it lies in (from, to), else to.
 float nearer(float from, float x, float to) { return x > from && x < to ? x : to; }
 
@@ -74,9 +76,9 @@ vec2 roots(float a, float b, float c) {
 }
 
 // Light from the first `length` km of a path: of the sun's, scattered once by molecules and by aerosols, times `first`;
-// and, with `again`, of what the tables hold. By Gauss and
-// Legendre over pieces that end at the perigee and where the sun's disc touches the horizon; each with t = L u² from
-// its lower end, where the air is.
+// and, with `again`, of what the tables hold. By Gauss and Legendre over pieces that end at the perigee, where the sun's
+// disc touches the horizon, and in thick air some free paths from the start; each with t = L u² from its lower end,
+// where the air is.
 vec4 light_along(AirPath path, float length, float mu_sun, float nu, vec2 first, bool again) {
     float ground = air.radius_ground;
     float r = radius_at(path.at.altitude);
@@ -93,19 +95,25 @@ vec4 light_along(AirPath path, float length, float mu_sun, float nu, vec2 first,
             if (i == 0) cuts.xy = found; else cuts.zw = found;
         }
     }
+    vec2 density_at_start = densities(path.at.altitude);
+    vec4 extinction =
+        air.rayleigh_scattering * density_at_start.x + air.mie_extinction * density_at_start.y;
+    float most = max(max(extinction.x, extinction.y), max(extinction.z, extinction.w));
+    float seen = most * length > 2.0 * free_paths ? free_paths / most : 0.0;
     vec4 peak = again ? peaks(nu) : vec4(0);
     float rayleigh = first.x * rayleigh_phase(nu);
     float mie = first.y * mie_phase(nu);
 
     vec4 sum = vec4(0);
     float begin = 0.0;
-    for (int piece = 0; piece < 6 && begin < length; ++piece) {
+    for (int piece = 0; piece < 7 && begin < length; ++piece) {
         float from = begin + 1e-5 * length;
         float end = nearer(from, along.perigee, length);
         end = nearer(from, cuts.x, end);
         end = nearer(from, cuts.y, end);
         end = nearer(from, cuts.z, end);
         end = nearer(from, cuts.w, end);
+        end = nearer(from, seen, end);
         bool rising = 0.5 * (begin + end) > along.perigee;
         for (int i = 0; i < air.nodes; ++i) {
             vec2 node = quadrature_node(i);

@@ -23,9 +23,10 @@ vec4 transmittance_to_space(float altitude, float mu) {
 vec4 transmittance_segment(float altitude, float mu, float distance) {
     AirPath path = air_path(RayPoint(altitude, mu));
     float inside = distance - path.entry;
-    if (path.extent <= 0.0 || inside <= 0.0) return vec4(1);
+    if (inside <= 0.0) return vec4(1);
     // The ground itself is still seen: what ends there is known no better than to its last places.
     if (path.ground && inside > path.extent * (1.0 + 1e-5) + 1e-6) return vec4(0);
+    if (path.extent <= 0.0) return vec4(1);
     inside = min(inside, path.extent);
     return transmittance_of(columns_to(columns_along(path), ray_after(path.at, inside), inside));
 }

@@ -192,7 +192,7 @@ Settings settings_of(Preset preset) {
     switch (preset) {
         case Preset::fast:
             return {.iterations = 4,
-                    .columns = 64,
+                    .columns = 128,
                     .altitudes = 20,
                     .suns = 48,
                     .directions = 16,
@@ -206,9 +206,9 @@ Settings settings_of(Preset preset) {
         case Preset::precise:
             return {.iterations = 8,
                     .altitudes = 48,
-                    .suns = 128,
-                    .directions = 32,
-                    .degree = 6,
+                    .suns = 160,
+                    .directions = 27,
+                    .degree = 8,
                     .zeniths = 32,
                     .azimuths = 12,
                     .table_nodes = 10};

@@ -30,9 +30,9 @@ struct Settings {
     std::optional<uint32_t> orders = {};
     uint32_t iterations = 6;  ///< 2 and up
 
-    uint32_t columns = 128;    ///< side of the table of columns, 16 to 1024
+    uint32_t columns = 256;    ///< side of the table of columns, 16 to 1024
     uint32_t altitudes = 32;   ///< of the tables of scattered light, 2 to 512
-    uint32_t suns = 64;        ///< sun zenith angles, 2 to 1024
+    uint32_t suns = 128;       ///< sun zenith angles, 2 to 1024
     uint32_t directions = 24;  ///< zenith angles into which aerosols send light on, 4 to 128
     uint32_t degree = 4;    ///< of azimuths of that light, 2 to 15; (degree + 1) * directions is at most 251
     uint32_t zeniths = 24;  ///< from which light is gathered, 6 to 128
