@@ -194,7 +194,7 @@ Settings settings_of(Preset preset) {
             return {.iterations = 4,
                     .columns = 128,
                     .altitudes = 20,
-                    .suns = 48,
+                    .suns = 64,
                     .directions = 16,
                     .degree = 3,
                     .zeniths = 16,
