@@ -286,26 +286,39 @@ TEST_P(SkyTest, MapHasTheSkysIrradianceAndItsConesMeans) {
     }
 }
 
-/// A lone level plane has the whole sky over it. Its cones each take the mean of their circle, which the map gives; how
-/// far their sum is from the sky's irradiance is theirs (docs/cones.md).
+/// What a level plane without voxels gathers is the mean of the map over each cone's circle, weighted as distribute()
+/// says. How far that is from the sky's irradiance is the cones' own, and with the voxels of the plane what these hide.
 TEST_P(SkyTest, ConesGatherTheSkysIrradiance) {
+    scene::Scene scene;
+    add(scene, scene::builtin::parallelogram({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}), diffuse(glm::vec3(0)));
+    const scene::Camera above{.position = {0, 4, 0.5f}, .target = {0, 0, 0}, .vertical_fov = 0.5f};
+    constexpr rhi::Extent size{8, 8};
+    const scene::GpuScene gpu = must(scene::GpuScene::create(device(), scene, true));
+    const scene::GpuScene nothing = must(scene::GpuScene::create(device(), {}, true));
+    auto gbuffer = must(gbuffer::GBuffer::create(device(), size, gbuffer::needs_of(gpu.view(), true)));
+    auto volume = must(voxels::Volume::create(device(), {.resolution = 16}, {}));
+    // The same cones at every pixel.
+    const cones::Settings still{.turned = false};
+    auto irradiance =
+        must(cones::Irradiance::create(device(), still, {.environment = true, .sky = true}, size));
+    auto sky = must(sky::Sky::create(device(), scene::earth(), quick()));
+
     for (const double zenith : {30.0, 75.0, 94.0}) {
         SCOPED_TRACE(zenith);
-        scene::Scene scene;
-        add(scene, scene::builtin::parallelogram({-5, 0, 5}, {10, 0, 0}, {0, 0, -10}), diffuse(glm::vec3(0.5f)));
         set_sky(scene, {.direction_to_sun = sun_at(zenith)});
-        const scene::Camera above{.position = {0, 4, 0.5f}, .target = {0, 0, 0}, .vertical_fov = 0.5f};
-        const auto rendered = render(scene, above, {Layer::irradiance});
-        const glm::dvec3 gathered = mean_of(rendered.layers[0].linear);
-
-        auto sky = must(sky::Sky::create(device(), scene.sky->atmosphere, quick()));
         rhi::Commands commands = device().begin();
-        sky.record_map(commands, *scene.sky);
+        const gbuffer::View seen = gbuffer.record(commands, gpu.view(), gbuffer::camera_block(above, size));
+        volume.voxelize(commands, nothing.view(), 0);
+        volume.inject(commands, nullptr);
+        const auto map_view = sky.record_map(commands, *scene.sky);
+        irradiance.record(commands, seen, {.volume = volume.view(), .sky = map_view});
         must(device().wait(device().submit(std::move(commands))));
+        const glm::dvec3 gathered(download(device(), irradiance.irradiance()).at(4, 4));
+
         constexpr uint32_t rows = 128;
         const scene::ImageF map = must(sky::download_map(device(), sky, rows));
         glm::dvec3 of_circles(0);
-        for (const cones::Cone& cone : cones::distribute({}).cones) {
+        for (const cones::Cone& cone : cones::distribute(still).cones) {
             // frame_about((0, 1, 0)) of shaders/common/frame.glsl has the columns x, -z and y.
             const glm::dvec3 axis(cone.direction.x, cone.direction.z, -cone.direction.y);
             glm::dvec3 sum(0);
@@ -324,17 +337,23 @@ TEST_P(SkyTest, ConesGatherTheSkysIrradiance) {
         }
         expect_near(gathered, of_circles, 0.03);
         const glm::dvec3 truth = ask({.sun_zenith_deg = zenith, .quantity = Quantity::sky_irradiance});
-        RecordProperty(fmt::format("sun_{}", zenith),
-                       fmt::format("{:+.3f} {:+.3f} {:+.3f}", gathered.r / truth.r - 1, gathered.g / truth.g - 1,
-                                   gathered.b / truth.b - 1));
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(gathered[c] / truth[c], 1, 0.2) << c;
+        const glm::dvec3 of_frame = mean_of(render(scene, above, {Layer::irradiance}).layers[0].linear);
+        RecordProperty(fmt::format("sun_{}_cones", zenith),
+                       fmt::format("{:+.3f} {:+.3f} {:+.3f}", gathered.r / truth.r - 1,
+                                   gathered.g / truth.g - 1, gathered.b / truth.b - 1));
+        RecordProperty(fmt::format("sun_{}_frame", zenith),
+                       fmt::format("{:+.3f} {:+.3f} {:+.3f}", of_frame.r / truth.r - 1,
+                                   of_frame.g / truth.g - 1, of_frame.b / truth.b - 1));
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(gathered[c] / truth[c], 1, 0.2) << c;
+            EXPECT_NEAR(of_frame[c] / truth[c], 1, 0.15) << c;
+        }
     }
 }
 
 TEST_P(SkyTest, ExtremesAreFiniteAndNotNegative) {
+    Window window(device(), {12, 8});
     for (const double sun : {0.0, 90.0, 94.0, 108.0, 180.0}) {
-        scene::Scene scene = must(scene::make_builtin("sky"));
-        set_sky(scene, {.direction_to_sun = sun_at(sun)});
         for (const auto& [altitude, zenith] : {std::pair(0.0, 90.0),
                                                {1e-6, 90.0},
                                                {0.0, 180.0},
@@ -342,21 +361,28 @@ TEST_P(SkyTest, ExtremesAreFiniteAndNotNegative) {
                                                {60.0, 100.0},
                                                {1e4, 160.0},
                                                {1e4, 90.0}}) {
-            const auto rendered = render(scene, camera_at(altitude, zenith, 20, 50),
-                                         {Layer::radiance, Layer::irradiance}, {24, 16});
-            for (const frame::LayerImage& layer : rendered.layers)
-                for (const float value : layer.linear.values)
-                    ASSERT_TRUE(std::isfinite(value) && value >= 0)
-                        << value << ": sun " << sun << ", " << altitude << " km, view " << zenith;
+            const Picture seen =
+                window.look({.direction_to_sun = sun_at(sun)}, camera_at(altitude, zenith, 20, 50));
+            for (const glm::vec4& texel : seen.texels)
+                for (int c = 0; c < 3; ++c)
+                    ASSERT_TRUE(std::isfinite(texel[c]))
+                        << texel[c] << ": sun " << sun << ", " << altitude << " km, view " << zenith;
         }
+        scene::Scene scene = must(scene::make_builtin("sky"));
+        set_sky(scene, {.direction_to_sun = sun_at(sun)});
+        const auto rendered =
+            render(scene, scene.cameras[0], {Layer::radiance, Layer::irradiance, Layer::specular}, {24, 16});
+        for (const frame::LayerImage& layer : rendered.layers)
+            for (const float value : layer.linear.values)
+                ASSERT_TRUE(std::isfinite(value) && value >= 0) << value << ": sun " << sun;
     }
 }
 
 /// Frames as the camera climbs: each between its neighbours, within a small part of the frame.
 TEST_P(SkyTest, ClimbsWithoutAStep) {
-    Window window(device(), {4, 4});
+    Window window(device(), {2, 2});
     // Where no horizon comes past.
-    for (const double view : {60.0, 88.0, 120.0}) {
+    for (const double view : {60.0, 88.0}) {
         std::vector<double> means;
         constexpr int frames = 101;
         for (int i = 0; i < frames; ++i) {
@@ -375,25 +401,27 @@ TEST_P(SkyTest, ClimbsWithoutAStep) {
     }
 }
 
-/// From eye height, a hundred rows within 0.1 degrees of the horizon: above it the sky changes smoothly, below it the
-/// ground does.
+/// From eye height, a hundred rows within 0.1 degrees of the horizon. The sky is smooth down to it; on the ground the
+/// distance grows the faster the nearer to it, and so does what the air adds.
 TEST_P(SkyTest, HorizonHasNoSeam) {
     constexpr uint32_t rows = 100;
     Window window(device(), {2, rows});
     for (const double sun : {30.0, 88.0}) {
+        SCOPED_TRACE(sun);
         const double dip = std::sqrt(2 * 0.0017 / 6360) / degree;
         const Picture seen =
             window.look({.direction_to_sun = sun_at(sun)}, camera_at(0.0017, 90 + dip, 120, 0.2));
-        std::vector<uint32_t> bends;
+        const auto green = [&](uint32_t y) { return double(seen.at(0, y).g); };
         for (uint32_t y = 1; y + 1 < rows; ++y) {
-            const double bend =
-                double(seen.at(0, y + 1).g) - 2 * double(seen.at(0, y).g) + double(seen.at(0, y - 1).g);
-            if (std::abs(bend) > 0.01 * double(seen.at(0, y).g)) bends.push_back(y);
+            const double before = green(y) - green(y - 1), after = green(y + 1) - green(y);
+            // The edge lies between the rows 49 and 50, to the direction's rounding.
+            if (y + 1 < rows / 2 - 1) {
+                EXPECT_GT(after, before - 1e-5 * green(y)) << y;
+            } else if (y - 1 > rows / 2) {
+                EXPECT_NEAR(after, before, 1e-3 * green(y)) << y;
+            }
         }
-        if (getenv("DUMP")) for (uint32_t y = 30; y < 70; ++y) fmt::print("{} {} {}\n", sun, y, seen.at(0,y).g);
-        // The edge itself, by what lies on both of its sides.
-        EXPECT_LE(bends.size(), 2u) << sun;
-        for (const uint32_t row : bends) EXPECT_NEAR(row, 0.5 * rows, 2) << sun;
+        EXPECT_GT(green(rows / 2 + 1), 2 * green(rows / 2 - 2));
     }
 }
 
