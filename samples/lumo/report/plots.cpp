@@ -7,10 +7,12 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <map>
+#include <span>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "scene/file.hpp"
 #include "scene/printable.hpp"
 
 namespace lumo::program {
@@ -88,11 +90,13 @@ std::string error_time(const Findings& findings, const DeviceFindings& device) {
     text += "EOD\n";
 
     const double highest = std::ranges::max(points, {}, &Point::percent).percent;
+    const bool wide = points.back().ms > 8 * points.front().ms;
     text += fmt::format(
         "set xlabel 'GPU time of a frame, ms ({})'\nset ylabel 'relative RMSE of {}, %'\n"
-        "set yrange [0:{:.6g}]\nset key outside right top\nset offsets graph 0.05, graph 0.12, 0, 0\n",
-        to_string(device.info.api), frame::to_string(findings.layer), 1.1 * highest + 1e-6);
-    if (points.back().ms > 8 * points.front().ms) text += "set logscale x\n";
+        "set yrange [0:{:.6g}]\nset xrange [{:.6g}:{:.6g}]\nset key outside right top\n",
+        to_string(device.info.api), frame::to_string(findings.layer), 1.1 * highest + 1e-6,
+        wide ? 0.8 * points.front().ms : 0, (wide ? 1.6 : 1.15) * points.back().ms);
+    if (wide) text += "set logscale x\n";
     text += "plot ";
     for (size_t i = 0; i < values.size(); ++i)
         text += fmt::format("$points{} using 1:2 with points pt 7 ps 0.7 lc rgb '{}' title {}, \\\n     ", i,
@@ -227,7 +231,7 @@ std::string memory(const Findings& findings, const DeviceFindings& device) {
         bars.push_back({label.empty() ? "all" : label, std::move(group.parts)});
     }
     std::ranges::sort(bars, {}, &Bar::sum);
-    return stacked(file_of("memory", device), std::move(bars),
+    return stacked("memory.svg", std::move(bars),
                    fmt::format("device memory by resource, MiB ({})", to_string(device.info.api)));
 }
 
@@ -236,19 +240,22 @@ std::string memory(const Findings& findings, const DeviceFindings& device) {
 std::vector<Plot> plots_of(const Findings& findings) {
     std::vector<Plot> plots;
     for (const DeviceFindings& device : findings.devices) {
-        plots.push_back({file_of("error-time", device), "error against time"});
-        plots.push_back({file_of("passes", device), "time by pass"});
-        plots.push_back({file_of("memory", device), "memory"});
+        const std::string_view api = to_string(device.info.api);
+        plots.push_back({file_of("error-time", device), fmt::format("Error against time, {}", api)});
+        plots.push_back({file_of("passes", device), fmt::format("Time by pass, {}", api)});
     }
+    plots.push_back({"memory.svg", "Memory"});
     return plots;
 }
 
 std::string gnuplot_script(const Findings& findings) {
     std::string text = "# gnuplot THIS_FILE draws the plots of the report again.\n";
     for (const DeviceFindings& device : findings.devices)
-        text += error_time(findings, device) + passes(findings, device) + memory(findings, device);
-    return text;
+        text += error_time(findings, device) + passes(findings, device);
+    return text + memory(findings, findings.devices.front());
 }
+
+namespace {
 
 Result<void> run_gnuplot(const std::filesystem::path& folder, const std::string& script) {
     const auto missing = [] {
@@ -272,6 +279,40 @@ Result<void> run_gnuplot(const std::filesystem::path& folder, const std::string&
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
         return fail(ErrorKind::io, "gnuplot", "fails with " + scene::printable((folder / script).string()),
                     "its message is above");
+    return {};
+}
+
+/// gnuplot writes a group for every change of colour, most of which hold nothing.
+std::string without_empty_groups(std::string_view svg) {
+    std::string text;
+    while (!svg.empty()) {
+        const size_t begin = std::min(svg.find("<g "), svg.size());
+        text += svg.substr(0, begin);
+        svg.remove_prefix(begin);
+        const size_t end = svg.find('>');
+        if (end == std::string_view::npos) return text.append(svg);
+        const size_t after = std::min(svg.find_first_not_of(" \t\r\n", end + 1), svg.size());
+        constexpr std::string_view closing = "</g>";
+        const bool empty = svg.substr(after).starts_with(closing);
+        if (!empty) text += svg.substr(0, end + 1);
+        svg.remove_prefix(empty ? after + closing.size() : end + 1);
+    }
+    return text;
+}
+
+}  // namespace
+
+Result<void> draw_plots(const Findings& findings, const std::filesystem::path& folder,
+                        const std::string& script) {
+    if (Result<void> done = run_gnuplot(folder, script); !done) return done;
+    for (const Plot& plot : plots_of(findings)) {
+        const std::filesystem::path file = folder / plot.file;
+        const auto bytes = scene::read_file(file);
+        if (!bytes) return tl::unexpected(bytes.error());
+        const std::string text =
+            without_empty_groups({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+        if (Result<void> done = scene::write_file(file, std::as_bytes(std::span(text))); !done) return done;
+    }
     return {};
 }
 

@@ -29,7 +29,10 @@ Result<Options> prepared(Options options) {
     }
     if (!options.given.contains("runs")) options.runs = standard_runs;
     auto& layers = options.frame.layers;
-    if (!options.given.contains("layer")) layers = {frame::Layer::irradiance};
+    if (!options.given.contains("layer")) {
+        layers = {frame::Layer::irradiance};
+        options.settings["layer"] = frame::to_string(frame::Layer::irradiance);
+    }
     for (const frame::Layer layer : layers) {
         const auto traced = reference::traced_layer_from_string(to_string(layer));
         using enum reference::TracedLayer;
@@ -62,7 +65,7 @@ Result<void> write(const Findings& findings, const std::filesystem::path& folder
     if (Result<void> done = write_text(folder / "report.csv", to_csv(findings)); !done) return done;
     const std::string script = "plots.gnuplot";
     if (Result<void> done = write_text(folder / script, gnuplot_script(findings)); !done) return done;
-    const Result<void> plotted = run_gnuplot(folder, script);
+    const Result<void> plotted = draw_plots(findings, folder, script);
     if (!plotted && plotted.error().kind != ErrorKind::unsupported) return plotted;
     if (!plotted) spdlog::warn("{}", to_string(plotted.error()));
     return write_text(folder / "index.html",
