@@ -86,7 +86,8 @@ vec3 trace_ray(vec3 origin, vec3 direction) {
 vec3 start_of(vec3 position, vec3 geometric_normal, vec3 to_eye) {
     // A voxel that the surface's plane meets reaches at most this far from it: no ray meets the surface that it leaves.
     vec3 reach = abs(geometric_normal);
-    vec3 origin = position + geometric_normal * (reach.x + reach.y + reach.z);
+    // A little more, for what lies on the faces of voxels.
+    vec3 origin = position + geometric_normal * (reach.x + reach.y + reach.z + 1e-2);
     // A surface nearby may have voxels there, too. What the eye sees is free toward the eye.
     const int most_steps = 4;
     Walk walk = start_walk(origin, to_eye, ivec3(floor(origin)));
