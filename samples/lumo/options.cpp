@@ -252,7 +252,8 @@ SettingOptions add_scene_settings(CLI::App& app, Options& options) {
     setting("--layer", "NAMES", "final",
             "final, radiance, direct, indirect, irradiance, specular, ao, emission, albedo, normal, depth, "
             "voxels; several by "
-            "commas into one EXR, where final is the radiance without a layer's name",
+            "commas into one EXR, where final is the radiance without a layer's name; specular: of opaque "
+            "surfaces, as blended ones have no specular cones",
             into(frame.layers, parse_layers));
     all.emplace_back("photometric", add_flag(app, "--photometric", options.photometric,
                                              "the file's lights are lux, candela and nit: divide by 683"));

@@ -93,6 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{{"render", "--tonemap", "filmic"}, {"'filmic'", "none, reinhard, hable, aces, agx"}},
         Refused{{"render", "--exposure", "bright"}, {"--exposure", "'bright'", "stops"}},
         Refused{{"render", "--ao-radius", "0"}, {"--ao-radius", "'0'", "metres"}},
+        Refused{{"render", "--grid-size", "0"}, {"--grid-size", "'0'", "metres"}},
         Refused{{"render", "--api", "metal"}, {"'metal'", "vulkan, gl, both"}},
         Refused{{"render", "--plan", "none"}, {"auto, full"}},
         Refused{{"render", "--gi", "yes"}, {"on, off"}},
