@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 
 #include "samples/lumo/bench/bench.hpp"
 #include "samples/lumo/probe_sky.hpp"
@@ -161,18 +162,19 @@ class AtmosphereBench {
     Result<void> measure(const Configuration& configuration, Json& json, std::string& text) {
         std::vector<double> times, pixel_times;
         const uint32_t runs = options_.given.contains("runs") ? options_.runs : 1;
-        uint64_t bytes = 0;
+        std::optional<atmosphere::Tables> kept;
         for (uint32_t run = 0; run < runs; ++run) {
             const auto begin = std::chrono::steady_clock::now();
-            const auto tables = precomputed(configuration.settings);
+            auto tables = precomputed(configuration.settings);
             if (!tables) return tl::unexpected(tables.error());
             times.push_back(milliseconds_since(begin));
-            bytes = tables->bytes();
             const auto rendering = std::chrono::steady_clock::now();
             if (const auto sky = probe_.ask(device_, *tables, pixels_); !sky)
                 return tl::unexpected(sky.error());
             pixel_times.push_back(1e6 * milliseconds_since(rendering) / double(pixels_.size()));
+            kept = std::move(*tables);
         }
+        const uint64_t bytes = kept->bytes();
         const Spread time = spread_of(times), pixel = spread_of(pixel_times);
         json = {{"name", configuration.name},
                 {"settings", to_json(configuration.settings)},
@@ -182,7 +184,7 @@ class AtmosphereBench {
                 {"errors", Json::array()}};
         text += fmt::format("  {}: {} ms to precompute, {:.2f} MiB, {} ns a pixel\n", configuration.name,
                             program::to_text(time, 0), double(bytes) / (1 << 20), program::to_text(pixel, 0));
-        const auto errors = measure_errors(configuration.settings);
+        const auto errors = measure_errors(*kept);
         if (!errors) return tl::unexpected(errors.error());
         for (const Errors& e : *errors) {
             json["errors"].push_back(to_json(e));
@@ -198,30 +200,40 @@ class AtmosphereBench {
         return atmosphere::precompute(device_, *tables).map([&] { return std::move(*tables); });
     }
 
-    /// Questions of each number of orders are answered by tables of their own.
-    Result<std::vector<Errors>> measure_errors(const Settings& settings) {
+    /// By tables of all orders, and where the truth counts fewer by others that end there.
+    Result<std::vector<Errors>> measure_errors(const atmosphere::Tables& complete) {
         std::vector<Errors> all;
         std::vector<uint32_t> orders;
         for (const Truth& truth : truth_)
-            if (std::ranges::find(orders, truth.orders) == orders.end()) orders.push_back(truth.orders);
+            if (std::ranges::find(orders, tables_for(truth)) == orders.end())
+                orders.push_back(tables_for(truth));
         for (const uint32_t last : orders) {
-            Settings used = settings;
-            if (last != reference::all_orders) used.orders = last;
-            const auto tables = precomputed(used);
-            if (!tables) return tl::unexpected(tables.error());
+            std::optional<atmosphere::Tables> fewer;
+            if (last != reference::all_orders) {
+                Settings settings = complete.settings();
+                settings.orders = last;
+                auto made = precomputed(settings);
+                if (!made) return tl::unexpected(made.error());
+                fewer = std::move(*made);
+            }
             std::vector<Question> questions;
             std::vector<const Truth*> truths;
             for (const Truth& truth : truth_) {
-                if (truth.orders != last) continue;
+                if (tables_for(truth) != last) continue;
                 questions.push_back(truth.question);
                 truths.push_back(&truth);
             }
-            const auto answers = probe_.ask(device_, *tables, questions);
+            const auto answers = probe_.ask(device_, fewer ? *fewer : complete, questions);
             if (!answers) return tl::unexpected(answers.error());
             for (size_t i = 0; i < questions.size(); ++i) add(all, *truths[i], (*answers)[i]);
         }
         std::ranges::sort(all, {}, &Errors::of);
         return all;
+    }
+
+    /// What is of order 1 is in any.
+    static uint32_t tables_for(const Truth& truth) {
+        return truth.orders == 1 ? reference::all_orders : truth.orders;
     }
 
     static void add(std::vector<Errors>& all, const Truth& truth,
@@ -264,7 +276,9 @@ Result<BenchReport> bench_atmosphere(const Options& options) {
     }
     const auto apis = bench_apis(options);
     if (!apis) return tl::unexpected(apis.error());
-    const std::vector<Configuration> all = configurations();
+    std::vector<Configuration> all = configurations();
+    if (options.given.contains("preset"))
+        all = {{options.settings["preset"].get<std::string>(), options.frame.sky.tables}};
     Progress progress(int(apis->size() * all.size()), options.quiet);
     BenchReport report{
         .json = {{"benchmark", "atmosphere"}, {"truth", options.truth.string()}, {"apis", Json::array()}},
