@@ -58,7 +58,7 @@ TEST_P(DenseGatherTest, ClosedRoomThatGlowsGivesPiTimesItsRadiance) {
     scene.cameras.push_back({.position = {0.3f, 0.2f, 0.7f}, .target = {-1, -0.3f, -1}, .vertical_fov = 1});
     for (const voxels::Storage storage : {voxels::Storage::dense, voxels::Storage::octree}) {
         frame::Settings settings{.size = {8, 6}, .rays = 2000};
-        settings.voxels = {.resolution = 64, .storage = storage};
+        settings.voxels = {.resolution = 32, .storage = storage};
         const auto pictures = render(scene, settings);
         for (uint32_t y = 0; y < 6; ++y)
             for (uint32_t x = 0; x < 8; ++x)
