@@ -16,6 +16,7 @@ layout(constant_id = 29) const bool gather_sky = false;          // … that is 
 layout(constant_id = 28) const bool gather_occlusion = false;    // how near opacity is, in place of its light
 
 const int max_cones = 32;
+const int turns = 16;
 
 // As voxels/sample.glsl reads them.
 layout(binding = gather_binding) uniform sampler3D voxel_radiance;
@@ -28,12 +29,12 @@ layout(binding = gather_binding + 4, std140) uniform Gather {
     float radiance_unit;     // radiance = stored * radiance_unit, W/m²/sr
     float emission_unit;
     int cone_count;
-    uint turned;             // 1: cones are turned about the normal from place to place
+    uint turned;             // 1: a place of a 4 x 4 pattern has cones of its own
     vec3 environment;        // radiance, W/m²/sr
     float resolution;        // voxels a side
     float occlusion_radius;  // voxels; what is as far occludes by half
-    vec4 cones[max_cones];   // xy: of the direction about +z; z: tangent of the half-angle; w: share of the irradiance of
-                             // a constant environment
+    vec4 cones[turns * max_cones];  // set by set; xy: of the direction about +z; z: tangent of the half-angle; w: share
+                                    // of the irradiance of a constant environment
 } gather;
 layout(binding = gather_binding + 5, std140) uniform Emitters { EMITTER_BLOCK } emitters;
 
@@ -44,27 +45,31 @@ const float step_per_diameter = 0.25;
 const float least_step = 1.0;  // voxels
 
 // A cone ends when less than this part of the light behind gets through.
-const float min_transmittance = 0.01;
+const float min_transmittance = 0.05;
 
 // Radiance from outside the grid.
 vec3 environment_in_cone(vec3 direction, float tan_half_aperture) {
     return gather_sky ? sky_in_cone(direction, tan_half_aperture) : gather.environment;
 }
 
-// Radiance from a cone, with this part of what emits. Origin in grid space, `start` in voxels.
-vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start, float emitted_part) {
+// Radiance from a cone, with this part of what emits. Origin in grid space, `start` in voxels. `dither`: 0 to 1, of
+// cones whose mean is taken over all of them, which then read one mip instead of two; or negative.
+vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start, float emitted_part, float dither) {
     vec3 radiance = vec3(0);
     float transmittance = 1.0;
     Facing facing = facing_of(direction);
     float distance = start;
     vec3 position = origin + direction * distance;
-    // One exit: Mesa's GLSL compiler goes wrong on a loop that leaves its function from the middle.
-    while (transmittance >= min_transmittance && all(greaterThanEqual(position, vec3(0))) &&
-           all(lessThanEqual(position, vec3(gather.resolution)))) {
+    float margin = 0.0;
+    // One exit: Mesa's GLSL compiler goes wrong on a loop that leaves its function from the middle. What lies at the
+    // grid's side reaches over it, by the filter.
+    while (transmittance >= min_transmittance && all(greaterThanEqual(position, vec3(-margin))) &&
+           all(lessThanEqual(position, vec3(gather.resolution + margin)))) {
         float diameter = 2.0 * tan_half_aperture * distance;
         float stride = max(step_per_diameter * diameter, least_step);
         float voxel = max(voxel_per_diameter * diameter, 1.0);
         float lod = log2(voxel);
+        if (dither >= 0.0) lod = floor(lod + dither);
         vec3 uvw = position / gather.resolution;
         vec4 stored = sample_volume(voxel_radiance, voxel_radiance_directions, uvw, facing, lod, gather.resolution);
         if (stored.a > 0.0) {
@@ -81,8 +86,13 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float star
             radiance += transmittance * leaving * (opacity / stored.a);
             transmittance *= 1.0 - opacity;
         }
+        if (gather_occlusion) margin = voxel;
         distance += stride;
         position = origin + direction * distance;
+    }
+    if (gather_occlusion && transmittance < min_transmittance) {
+        // The rest is as what was met.
+        radiance /= 1.0 - transmittance;
     }
     if (gather_environment && transmittance >= min_transmittance)
         radiance += transmittance * environment_in_cone(direction, tan_half_aperture);
@@ -178,17 +188,17 @@ vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal, uint t
     // The surface's own voxels reach one voxel from it, the filter half of one more.
     vec3 origin = position + geometric_normal;
     mat3 frame = frame_about(normal);
-    float angle = float(turn & 15u) * float(gather.turned) * (2.0 * pi / 16.0);
-    float c = cos(angle);
-    float s = sin(angle);
-    frame = mat3(c * frame[0] + s * frame[1], c * frame[1] - s * frame[0], frame[2]);
+    int set = int(turn % uint(turns) * gather.turned) * gather.cone_count;
     float emitted_part = gather_emission ? 1.0 - emitters.share : 0.0;
     vec3 sum = vec3(0);
     bool light = gather_reflected || gather_environment || emitted_part > 0.0;
     for (int i = 0; light && i < gather.cone_count; ++i) {
-        vec4 cone = gather.cones[i];
+        vec4 cone = gather.cones[set + i];
         vec3 direction = vec3(cone.xy, sqrt(max(1.0 - dot(cone.xy, cone.xy), 0.0)));
-        sum += cone.w * trace_cone(origin, frame * direction, cone.z, 1.0, emitted_part);
+        // Another for each cone of a place, and each in one of the places.
+        float dither = (float((turn + 5u * uint(i)) % uint(turns)) + 0.5) / float(turns);
+        sum += cone.w * trace_cone(origin, frame * direction, cone.z, 1.0, emitted_part,
+                                   gather.turned > 0u ? dither : -1.0);
     }
     sum *= pi;
     if (gather_emission) sum += emitter_irradiance(position, geometric_normal, normal);

@@ -43,7 +43,7 @@ vec3 reflected(Surface surface, vec3 position, vec3 geometric_normal, vec3 norma
         float above = max(dot(axis, geometric_normal), 0.02);
         tangent = min(tangent, above * inversesqrt(max(1.0 - above * above, 1e-6)));
     }
-    vec3 radiance = trace_cone(position + geometric_normal, axis, tangent, 1.0, 1.0);
+    vec3 radiance = trace_cone(position + geometric_normal, axis, tangent, 1.0, 1.0, -1.0);
     float texels = float(textureSize(reflectance, 0).x);
     vec2 place = vec2(dot(normal, to_eye), surface.roughness) * ((texels - 1.0) / texels) + 0.5 / texels;
     vec2 factors = texture(reflectance, place).xy;

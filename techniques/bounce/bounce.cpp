@@ -11,7 +11,7 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
     Bounce made;
     made.settings_ = settings;
     made.needs_ = needs;
-    made.distribution_ = cones::distribute(settings.cones);
+    made.distribution_ = cones::distribution_of(settings.cones);
     const uint32_t count = gathers(settings, needs);
     for (uint32_t i = 0; i < std::min(count, 2u); ++i) {
         auto light = volume.create_light(device, i == 0 ? "bounce.radiance" : "bounce.radiance_next");

@@ -225,7 +225,7 @@ Distribution distribute(const Settings& settings) {
     const Rings rings =
         settings.apertures == Apertures::uniform ? uniform_rings(count) : nonuniform_rings(count);
 
-    Distribution result{.cones = {}, .turned = settings.turned};
+    Distribution result;
     for (size_t r = 0; r < rings.size(); ++r) {
         const Ring& ring = rings[r];
         for (int i = 0; i < ring.cones; ++i) {
@@ -241,7 +241,39 @@ Distribution distribute(const Settings& settings) {
     return result;
 }
 
-DirectionalError directional_error(const Distribution& distribution, bool rotated) {
+Distribution distribute_in_pattern(const Settings& settings) {
+    const int count = std::clamp(settings.count, 1, max_cones);
+    // Circles that do not overlap cover about this much. The narrower they are the more they see of what is small and the
+    // less what stands in part of a cone hides of the rest; gaps between the cones of a place, the other places fill.
+    constexpr double covered = 0.75, narrower = 4;
+    const double share = covered / (narrower * count);  // of the hemisphere
+    const int all = places * count;
+    Distribution result{.cones = {}, .sets = places};
+    for (int place = 0; place < places; ++place)
+        for (int i = 0; i < count; ++i) {
+            const int index = i * places + place;
+            const double squared_sine = (index + 0.5) / all, cosine = std::sqrt(1 - squared_sine);
+            // Of rings of the same irradiance, the room grows as their cosine falls; its mean is that at 1/2.
+            const double room =
+                settings.apertures == Apertures::uniform ? 1 : std::clamp(0.5 / cosine, 0.25, 4.0);
+            const double half_angle = std::acos(1 - share * room);
+            const double polar = std::min(std::acos(cosine), horizon - half_angle);
+            constexpr double golden_angle = 2.399963229728653;
+            const double azimuth = golden_angle * index;
+            result.cones.push_back(
+                {.direction = glm::vec3(std::sin(polar) * std::cos(azimuth),
+                                        std::sin(polar) * std::sin(azimuth), std::cos(polar)),
+                 .half_angle = float(half_angle),
+                 .weight = 1 / float(count)});
+        }
+    return result;
+}
+
+Distribution distribution_of(const Settings& settings) {
+    return settings.turned ? distribute_in_pattern(settings) : distribute(settings);
+}
+
+DirectionalError directional_error(const Distribution& distribution) {
     // A disk's estimate is its integral of the kernel: at each direction, the sum of weight over solid angle of the
     // cones that hold it. The truth's kernel is the cosine.
     struct Sample {
@@ -261,7 +293,7 @@ DirectionalError directional_error(const Distribution& distribution, bool rotate
             for (const Cone& cone : distribution.cones) {
                 const double cosine = std::cos(double(cone.half_angle));
                 if (glm::dot(sample.direction, glm::dvec3(cone.direction)) >= cosine)
-                    sample.kernel += double(cone.weight) / (2 * (1 - cosine));
+                    sample.kernel += double(cone.weight) / (distribution.sets * 2 * (1 - cosine));
             }
             samples.push_back(sample);
         }
@@ -292,9 +324,8 @@ DirectionalError directional_error(const Distribution& distribution, bool rotate
             const glm::dvec2 irradiance = irradiance_of(
                 direction(double(row) / light_rows, glm::two_pi<double>() * column / light_columns));
             mean += irradiance / double(light_columns);
-            if (!rotated) add(irradiance);
+            add(irradiance);
         }
-        if (rotated) add(mean);
         if (row == 0) result.horizon = mean.x / mean.y - 1;
     }
     truth /= count;

@@ -12,8 +12,8 @@ GatherBlock gather_block(const Distribution& distribution, const Source& source)
     block.voxels_per_metre = 1 / volume.grid.voxel_size;
     block.radiance_unit = volume.radiance_unit;
     block.emission_unit = volume.emission_unit;
-    block.cone_count = int32_t(distribution.cones.size());
-    block.turned = distribution.turned ? 1 : 0;
+    block.cone_count = int32_t(distribution.cones.size()) / distribution.sets;
+    block.turned = distribution.sets > 1 ? 1 : 0;
     block.environment = source.environment;
     block.resolution = float(volume.grid.resolution);
     block.occlusion_radius =

@@ -153,7 +153,8 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
     std::optional<cones::Gather> gather;
     if (irradiance && (blend_ || specular_)) {
         gather =
-            cones::make_gather(commands, irradiance_->distribution(), *source, irradiance_->volume_sampler());
+            cones::make_gather(commands, irradiance_->plain_distribution(), *source,
+                                    irradiance_->volume_sampler());
     }
     std::optional<rhi::View<rhi::Dimension::d2>> specular;
     if (specular_ && gather) specular = specular_->record(commands, gbuffer, *gather, *irradiance);
