@@ -21,7 +21,7 @@ using scene::builtin::parallelogram;
 
 const std::vector<Layer> all_layers{Layer::radiance, Layer::direct, Layer::indirect, Layer::irradiance,
                                     Layer::emission, Layer::albedo, Layer::normal,   Layer::depth,
-                                    Layer::voxels,   Layer::ao,     Layer::final};
+                                    Layer::voxels,   Layer::ao,     Layer::specular, Layer::final};
 
 struct FrameStabilityTest : DeviceTest {
     frame::Rendered render(const scene::Scene& scene, frame::Settings settings = {}) {
@@ -269,6 +269,22 @@ TEST_P(FrameStabilityTest, ColoursDoNotLeakBetweenChannels) {
         }
     EXPECT_GT(walls, 20);
     EXPECT_GT(highest(radiance), 9) << "the lamp is seen";
+}
+
+TEST_P(FrameStabilityTest, SurfacesOfEveryRoughness) {
+    for (const float roughness : {0.0f, 0.2f, 1.0f})
+        for (const float metallic : {0.0f, 1.0f}) {
+            SCOPED_TRACE(fmt::format("roughness {}, metallic {}", roughness, metallic));
+            scene::Scene scene = small_scene();
+            for (scene::Material& material : scene.materials) {
+                material.roughness = roughness;
+                material.metallic = metallic;
+            }
+            const frame::Rendered rendered = render(scene);
+            // No surface reflects more than the lamp, which is the brightest there is, sends.
+            EXPECT_GT(highest(layer_of(rendered, Layer::specular)), 0);
+            EXPECT_LT(highest(layer_of(rendered, Layer::specular)), 3.1f);
+        }
 }
 
 }  // namespace
