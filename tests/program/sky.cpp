@@ -15,7 +15,7 @@ using testing::Not;
 class Sky : public Program {
   protected:
     static Arguments small(Arguments arguments) {
-        for (const char* word : {"--size", "32x18", "--voxels", "32", "--quiet"})
+        for (const char* word : {"--size", "32x18", "--voxels", "32", "--preset", "fast", "--quiet"})
             arguments.emplace_back(word);
         return arguments;
     }
