@@ -1,4 +1,4 @@
-// Indirect light that the specular lobe reflects, by one cone a pixel.
+// Indirect light that the specular lobe reflects, by cones along the lobe.
 #pragma once
 
 #include <array>

@@ -17,11 +17,16 @@ Result<void> keep(Result<T> made, std::optional<T>& place) {
 
 }  // namespace
 
-Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const Plan& plan,
+Result<Frame> Frame::create(rhi::Device& device, const Settings& asked, const Plan& plan,
                             const SceneFacts& facts, const scene::GeometryView& geometry,
                             const scene::Atmosphere* atmosphere) {
+    if (asked.voxels.grid_size && asked.voxels.storage == voxels::Storage::octree) {
+        return fail(ErrorKind::unsupported, "--grid-size",
+                    "an octree is made for one place of the grid, and this one would move",
+                    "use --storage vt, or --grid-size scene");
+    }
     Frame frame;
-    frame.settings_ = settings;
+    const Settings settings = frame.settings_ = resolve(asked, facts);
     frame.facts_ = facts;
 
     gbuffer::Needs gbuffer_needs = gbuffer::needs_of(geometry, settings.diffuse_materials);
@@ -97,7 +102,7 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& settings, const
                                               settings.size),
                     frame.ao_);
     }
-    const bool specular = plan.needs("cones.specular") && !settings.diffuse_materials;
+    const bool specular = plan.needs("cones.specular");
     if (made && specular)
         made = keep(cones::Specular::create(device, gather_needs, settings.size), frame.specular_);
     if (made) {
@@ -137,7 +142,10 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
     std::optional<cones::Source> source;
     std::optional<rhi::View<rhi::Dimension::d2>> irradiance, ao;
     if (volume_) {
-        volume_->voxelize(commands, inputs.geometry, facts_.highest_emission);
+        std::optional<voxels::Grid> grid;
+        if (const std::optional<float> side = settings_.voxels.grid_size)
+            grid = voxels::grid_around(inputs.camera.position, *side, settings_.voxels.resolution);
+        volume_->voxelize(commands, inputs.geometry, facts_.highest_emission, grid);
         volume_->inject(commands, lights && irradiance_ ? &*lights : nullptr);
         source = {.volume = volume_->view(), .environment = inputs.environment_radiance, .sky = sky_map};
         if (emitters_) source->emitters = emitters_->record(commands, *volume_);
@@ -152,8 +160,7 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
 
     std::optional<cones::Gather> gather;
     if (irradiance && (blend_ || specular_)) {
-        gather =
-            cones::make_gather(commands, irradiance_->plain_distribution(), *source,
+        gather = cones::make_gather(commands, irradiance_->plain_distribution(), *source,
                                     irradiance_->volume_sampler());
     }
     std::optional<rhi::View<rhi::Dimension::d2>> specular;

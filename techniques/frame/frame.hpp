@@ -32,8 +32,8 @@ struct Inputs {
 
 class Frame {
   public:
-    /// Makes what the plan needs and nothing else; computes the tables of the sky's air, if it has one. Errors: those of
-    /// the techniques.
+    /// Makes what the plan needs and nothing else; computes the tables of the sky's air, if it has one. Settings
+    /// are resolved (plan.hpp). Errors: those of the techniques; unsupported: a grid that moves, in an octree.
     static Result<Frame> create(rhi::Device& device, const Settings& settings, const Plan& plan,
                                 const SceneFacts& facts, const scene::GeometryView& geometry,
                                 const scene::Atmosphere* atmosphere = nullptr);

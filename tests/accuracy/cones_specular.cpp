@@ -149,8 +149,8 @@ TEST_P(SpecularTest, RoughMetalBesideAGlowingWall) {
         const double rmse = std::sqrt(squares / rows) / (truth_sum / rows), bias = sum / truth_sum;
         RecordProperty(fmt::format("roughness_{}", int(10 * roughness)),
                        fmt::format("{:.3f} {:.3f}", rmse, bias));
-        EXPECT_LT(rmse, 0.5) << roughness;
-        EXPECT_LT(std::abs(bias), 0.4) << roughness;
+        EXPECT_LT(rmse, 0.3) << roughness;
+        EXPECT_LT(std::abs(bias), 0.12) << roughness;
     }
 }
 
