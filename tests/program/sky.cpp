@@ -116,6 +116,8 @@ TEST_F(Sky, PathTracerHasTheSameSky) {
     arguments.insert(arguments.end(), {"--reference", "--spp", "64", "-o", "truth.exr"});
     done(small(arguments));
     const auto frame = exr("frame.exr"), truth = exr("truth.exr");
+    ASSERT_EQ(frame.size(), 2u);
+    ASSERT_EQ(truth.size(), 2u);
     for (const uint32_t c : {0u, 1u, 2u}) {
         const double seen = mean(truth[0].image, {0, 0, 1, 0.4}, c);
         EXPECT_NEAR(mean(frame[0].image, {0, 0, 1, 0.4}, c), seen, 0.02 * seen) << c;
