@@ -218,8 +218,9 @@ TEST_P(AtmosphereTest, NothingIsCreatedInAFurnace) {
         .ground_albedo = {1, 1}};
     atmosphere::Settings settings = settings_of(atmosphere::Preset::standard);
     settings.iterations = 8;
-    settings.suns = 64;
-    settings.altitudes = 24;
+    settings.suns = 48;
+    settings.altitudes = 16;
+    settings.zeniths = 18;
     const atmosphere::Tables tables = must(atmosphere::Tables::create(device(), air, settings));
     must(atmosphere::precompute(device(), tables));
     constexpr int suns = 60, turns = 16;
