@@ -83,7 +83,8 @@ TEST_F(Sky, IsLeftOutWhereItIsNotNeeded) {
         arguments.insert(arguments.end(), {"--stats", "run.json", "-o", "picture.exr"});
         done(small(std::move(arguments)));
         std::vector<std::string> names;
-        for (const auto& item : json("run.json")["left_out"]) names.push_back(item["what"]);
+        const nlohmann::json run = json("run.json");
+        for (const auto& item : run["left_out"]) names.push_back(item["what"]);
         return names;
     };
     EXPECT_THAT(left_out({"render", "cornell"}), testing::IsSupersetOf({"sky.map", "sky.pixels"}));
