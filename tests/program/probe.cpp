@@ -1,4 +1,5 @@
 // `lumo probe sky`: rows in, the same rows with answers out.
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -231,6 +232,151 @@ TEST_F(Probe, WrongAtmospheresAreNamedByFieldAndValue) {
         EXPECT_EQ(run.exit_code, 2) << text;
         EXPECT_EQ(lines(run.err), 1) << run.err;
         EXPECT_TRUE(contains(run.err, "a.json") && contains(run.err, said)) << run.err;
+    }
+}
+
+class ProbeOnApi : public Probe, public testing::WithParamInterface<const char*> {
+  protected:
+    /// On the GPU with small tables: by row and wavelength.
+    std::vector<std::vector<double>> answers(const std::string& rows, Arguments more = {}) const {
+        write("in.csv", std::string(header) + rows);
+        Arguments arguments{"probe",   "sky",      "--in", "in.csv", "--out",   "out.csv",
+                            "--quiet", "--preset", "fast", "--api",  GetParam()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        done(arguments);
+        std::vector<std::vector<double>> all;
+        const auto table = fields(bytes("out.csv"));
+        for (size_t i = 1; i < table.size(); ++i) {
+            all.emplace_back();
+            for (size_t w = 6; w < table[i].size(); ++w) all.back().push_back(std::stod(table[i][w]));
+        }
+        return all;
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Apis, ProbeOnApi, testing::Values("vulkan", "gl"));
+
+TEST_P(ProbeOnApi, AnswersLikeTheReference) {
+    const std::string rows(every_quantity);
+    const auto found = answers(rows, {"--orders", "4"});
+    const auto truth = fields(ask(std::string(header) + rows, {"--reference", "--orders", "4"}));
+    ASSERT_EQ(found.size(), 7);
+    const std::vector<double> within{1e-3, 1e-3, 0.02, 0.005, 0.02, 0.02, 1e-3};
+    for (size_t i = 0; i < found.size(); ++i) {
+        ASSERT_EQ(found[i].size(), 3);
+        for (size_t w = 0; w < 3; ++w) {
+            const double exact = std::stod(truth[i + 1][6 + w]);
+            EXPECT_NEAR(found[i][w], exact, within[i] * exact) << truth[i + 1][0] << ' ' << w;
+        }
+    }
+}
+
+TEST_P(ProbeOnApi, EachOrderAddsLight) {
+    const std::string row = "radiance,0,60,40,30,\n";
+    std::vector<double> by_orders;
+    for (const char* orders : {"1", "2", "4", "all"})
+        by_orders.push_back(answers(row, {"--orders", orders})[0][2]);
+    EXPECT_TRUE(std::ranges::is_sorted(by_orders)) << testing::PrintToString(by_orders);
+    EXPECT_FLOAT_EQ(float(by_orders[0]), float(answers("radiance_order1,0,60,40,30,\n")[0][2]));
+    EXPECT_GT(by_orders[1], 1.2 * by_orders[0]);
+    EXPECT_LT(by_orders[3], 1.02 * by_orders[2]);
+}
+
+/// More than the four that one table holds: the fifth is the first again.
+TEST_P(ProbeOnApi, ManyWavelengthsAreAnsweredInGroups) {
+    write("a.json", R"({"wavelengths_nm": [680, 600, 550, 500, 680], "radius_ground_km": 6360,
+        "radius_top_km": 6420, "sun": {"irradiance": [1, 2, 3, 4, 1], "angular_radius_deg": 0.27},
+        "rayleigh": {"scattering_per_km": [0.006, 0.01, 0.014, 0.02, 0.006], "scale_height_km": 8},
+        "ground_albedo": [0.1, 0.2, 0.3, 0.4, 0.1]})");
+    for (const auto& row : answers(std::string(every_quantity), {"--atmosphere", "a.json"})) {
+        ASSERT_EQ(row.size(), 5);
+        EXPECT_NEAR(row[0], row[4], 1e-3 * row[0]) << "pieces of rays depend on the group";
+        EXPECT_NE(row[0], row[3]);
+    }
+}
+
+TEST_P(ProbeOnApi, SpeciesMayBeMissing) {
+    write("none.json", atmosphere(""));
+    const auto none = answers(std::string(every_quantity), {"--atmosphere", "none.json"});
+    const std::vector<double> expected{1, 1, 0, 0, 0, 0, 1.5 * std::sin(50 * M_PI / 180)};
+    for (size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(none[i][0], expected[i], 1e-6) << i;
+
+    write("ozone.json",
+          atmosphere(
+              R"(, "ozone": {"extinction_per_km": [0.02], "bottom_km": 10, "peak_km": 25, "top_km": 40})"));
+    const auto ozone =
+        answers("transmittance_to_space,0,0,,,\nradiance,0,60,40,30,\nsky_irradiance,0,,40,,\n",
+                {"--atmosphere", "ozone.json"});
+    EXPECT_NEAR(ozone[0][0], std::exp(-0.3), 1e-4);
+    EXPECT_EQ(ozone[1][0], 0);
+    EXPECT_EQ(ozone[2][0], 0);
+}
+
+TEST_P(ProbeOnApi, ExtremeRowsOfOtherPlanetsAreFiniteAndNotNegative) {
+    std::string rows;
+    for (const char* altitude : {"0", "0.000001", "50", "120", "10000"}) {
+        for (const char* view : {"0", "89.9999", "90", "90.001", "180"}) {
+            for (const char* sun : {"0", "90", "108", "180"}) {
+                for (const std::string_view quantity :
+                     {"radiance", "transmittance_to_space", "inscatter", "sky_irradiance", "sun_irradiance"})
+                    rows += fmt::format("{},{},{},{},0,0.5\n", quantity, altitude, view, sun);
+            }
+        }
+    }
+    for (const char* name : {"mars.json", "planetoid.json"}) {
+        const auto found = answers(rows, {"--atmosphere", data(name)});
+        const auto table = fields(rows);
+        for (size_t i = 0; i < found.size(); ++i)
+            for (const double value : found[i])
+                ASSERT_TRUE(std::isfinite(value) && value >= 0) << name << testing::PrintToString(table[i]);
+    }
+}
+
+/// Of what is stored, a damaged file is as good as none, and is made again.
+TEST_P(ProbeOnApi, TablesAreKeptAndDamagedOnesMadeAgain) {
+    write("in.csv", std::string(header) + "radiance,0,60,40,30,\n");
+    const auto answer = [&] {
+        const Outcome run = lumo(
+            {"probe", "sky", "--in", "in.csv", "--out", "out.csv", "--preset", "fast", "--api", GetParam()},
+            {{"XDG_CACHE_HOME", path("cache").string()}});
+        EXPECT_EQ(run.exit_code, 0) << run.err;
+        return bytes("out.csv");
+    };
+    const auto files = [&] {
+        std::vector<std::string> all;
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(path("cache")))
+            if (entry.is_regular_file()) all.push_back(entry.path().string());
+        std::ranges::sort(all);
+        return all;
+    };
+    const std::string first = answer();
+    const auto stored = files();
+    ASSERT_FALSE(stored.empty());
+    EXPECT_EQ(answer(), first) << "from the cache";
+    EXPECT_EQ(files(), stored) << "nothing was made again";
+    // Far greater than all that drivers keep.
+    const std::string tables = *std::ranges::max_element(
+        stored, {}, [](const std::string& f) { return std::filesystem::file_size(f); });
+    const auto size = std::filesystem::file_size(tables);
+    std::filesystem::resize_file(tables, size / 2);
+    EXPECT_EQ(answer(), first);
+    EXPECT_EQ(files(), stored);
+    EXPECT_EQ(std::filesystem::file_size(tables), size);
+}
+
+TEST_F(Probe, BothApisIntoTwoFiles) {
+    write("in.csv", std::string(header) + std::string(every_quantity));
+    done({"probe", "sky", "--in", "in.csv", "--out", "out.csv", "--preset", "fast", "--api", "both"});
+    EXPECT_FALSE(std::filesystem::exists(path("out.csv")));
+    const auto gl = fields(bytes("out.gl.csv")), vulkan = fields(bytes("out.vulkan.csv"));
+    ASSERT_EQ(gl.size(), 8);
+    ASSERT_EQ(vulkan.size(), 8);
+    EXPECT_EQ(gl[0], vulkan[0]);
+    for (size_t i = 1; i < 8; ++i) {
+        for (size_t w = 6; w < 9; ++w) {
+            const double a = std::stod(gl[i].at(w)), b = std::stod(vulkan[i].at(w));
+            EXPECT_NEAR(a, b, 1e-4 * a) << gl[i][0];
+        }
     }
 }
 
