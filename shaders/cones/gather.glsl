@@ -110,6 +110,9 @@ float opacity_at(vec3 position, int level) {
     return textureLod(voxel_radiance_directions, uvw, float(level - 1)).a;
 }
 
+// A path is taken as blocked, without a step in what gets through, below this part.
+const float min_visible = 0.01;
+
 // The part of the light between two points that nothing stops. In grid space.
 float trace_visibility(vec3 from, vec3 to) {
     vec3 path = to - from;
@@ -119,7 +122,7 @@ float trace_visibility(vec3 from, vec3 to) {
     float transmittance = 1.0;
     float distance = 0.5;
     int level = 0;
-    while (transmittance >= min_transmittance && distance < length) {
+    while (transmittance >= min_visible && distance < length) {
         float opacity = opacity_at(from + direction * distance, level);
         if (opacity == 0.0) {
             // At least half a voxel of the level is empty on each side; the finest filter reaches half a voxel over it.
@@ -133,7 +136,7 @@ float trace_visibility(vec3 from, vec3 to) {
             distance += 1.0;
         }
     }
-    return max(transmittance - min_transmittance, 0.0) / (1.0 - min_transmittance);
+    return max(transmittance - min_visible, 0.0) / (1.0 - min_visible);
 }
 
 // Irradiance on a surface from the emitters that are lit by one by one, W/m². As gather_irradiance.

@@ -16,7 +16,7 @@ layout(binding = 3) uniform sampler2D geometric_normal_occlusion;
 layout(binding = 5, rgba32f) writeonly uniform image2D smoothed;
 
 const int side = 4;  // of the pattern
-const int tile = 8 + side - 1;
+const int tile = 8 + side;
 // Surfaces whose normals are as far apart have no more in common.
 const float least_cosine = 0.7;
 
@@ -49,12 +49,14 @@ void main() {
         vec3 normal = normals[own].xyz;
         vec3 plane = texelFetch(geometric_normal_occlusion, pixel, 0).xyz;
         vec4 sum = vec4(0);
-        for (int y = 0; y < side; ++y) {
-            for (int x = 0; x < side; ++x) {
+        for (int y = 0; y <= side; ++y) {
+            for (int x = 0; x <= side; ++x) {
+                // Places of the pattern that are met at both ends count half at each, so that the mean is not displaced.
+                float part = (x % side == 0 ? 0.5 : 1.0) * (y % side == 0 ? 0.5 : 1.0);
                 int i = (first.y + y) * tile + first.x + x;
                 float away = abs(dot(plane, positions[i].xyz - position));
                 float alike = clamp((dot(normal, normals[i].xyz) - least_cosine) / (1.0 - least_cosine), 0.0, 1.0);
-                sum += vec4(values[i].rgb, 1) * (values[i].a * alike * max(1.0 - away / push.reach, 0.0));
+                sum += vec4(values[i].rgb, 1) * (part * values[i].a * alike * max(1.0 - away / push.reach, 0.0));
             }
         }
         vec3 mean = center.a > 0.0 && sum.a > 1e-3 ? sum.rgb / sum.a : center.rgb;
