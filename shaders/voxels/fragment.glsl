@@ -81,6 +81,10 @@ void keep_fragment(VoxelFragment f) {
     add_value(cell, value, weight, f.seed);
     add(cell, word_weight, weight);
     if (normals && !emission) add_color(cell, word_normal, f.facing * 0.5 + 0.5, weight);
-    if (translucent && !emission) add(cell, word_opacity, floor(clamp(base.a, 0.0, 1.0) * weight + 0.5));
+    if (translucent && !emission) {
+        // What alpha cut out is opaque where it was left.
+        float opacity = material.alpha_cutoff > 0.0 ? 1.0 : clamp(base.a, 0.0, 1.0);
+        add(cell, word_opacity, floor(opacity * weight + 0.5));
+    }
 }
 #endif
