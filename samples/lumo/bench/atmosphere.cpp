@@ -168,6 +168,9 @@ class AtmosphereBench {
             auto tables = precomputed(configuration.settings);
             if (!tables) return tl::unexpected(tables.error());
             times.push_back(milliseconds_since(begin));
+            // Drivers compile at the first use.
+            if (const auto first = probe_.ask(device_, *tables, {pixels_.data(), 1}); !first)
+                return tl::unexpected(first.error());
             const auto rendering = std::chrono::steady_clock::now();
             if (const auto sky = probe_.ask(device_, *tables, pixels_); !sky)
                 return tl::unexpected(sky.error());
