@@ -13,7 +13,7 @@ endif()
 
 # The interfaces, and not what only the libraries include.
 install(DIRECTORY rhi scene techniques reference DESTINATION include/lumo FILES_MATCHING PATTERN "*.hpp"
-        PATTERN "rhi/arena.hpp" EXCLUDE PATTERN "rhi/core.hpp" EXCLUDE PATTERN "rhi/disk_cache.hpp" EXCLUDE
+        PATTERN "rhi/arena.hpp" EXCLUDE PATTERN "rhi/core.hpp" EXCLUDE
         PATTERN "rhi/resource_table.hpp" EXCLUDE PATTERN "rhi/staging.hpp" EXCLUDE PATTERN "rhi/validate.hpp" EXCLUDE
         PATTERN "scene/gltf_*" EXCLUDE PATTERN "scene/image_codec.hpp" EXCLUDE PATTERN "scene/builtin" EXCLUDE
         PATTERN "scene/oiio" EXCLUDE PATTERN "reference/embree.hpp" EXCLUDE

@@ -90,7 +90,7 @@ struct Options {
     /// Settings that the command line or the configuration gave, by their names without dashes.
     std::set<std::string> given = {};
     std::filesystem::path truth = {};  ///< of the sky, for its benchmark; none if empty
-    uint32_t runs = 5;  ///< of a benchmark: its figures are medians of so many
+    uint32_t runs = 5;                 ///< of a benchmark: its figures are medians of so many
 
     std::vector<std::string> vary = {};  ///< of a report: NAME=V1,V2,...
     std::vector<std::string> also = {};  ///< of a report: NAME=V,NAME=V,...

@@ -46,7 +46,7 @@ void reflect_from(ivec3 cell) {
     vec3 irradiance = direct_irradiance(units, cell, imageLoad(area, cell).r);
 
     vec3 facing = imageLoad(normal, cell).xyz * 2.0 - 1.0;
-    float agreement = length(facing);
+    float agreement = sqrt(inner(facing, facing));
     // Where a voxel's surfaces face opposite ways the mean says nothing, and both sides count.
     int sides = agreement > 0.25 ? 1 : 2;
     vec3 side = agreement > 0.25 ? facing / agreement : vec3(0, 1, 0);

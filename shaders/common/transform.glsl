@@ -6,6 +6,11 @@ vec4 transform(mat4 m, vec4 v) {
     return product;
 }
 
+vec3 transform(mat3 m, vec3 v) {
+    precise vec3 product = (m[0] * v.x + m[1] * v.y) + m[2] * v.z;
+    return product;
+}
+
 // The matrix is given by rows.
 vec3 transform_rows(vec4 row0, vec4 row1, vec4 row2, vec3 v) {
     precise vec3 product = (vec3(row0.x, row1.x, row2.x) * v.x + vec3(row0.y, row1.y, row2.y) * v.y) +
@@ -13,8 +18,10 @@ vec3 transform_rows(vec4 row0, vec4 row1, vec4 row2, vec3 v) {
     return product;
 }
 
-// v is far from 0 and infinity: its squared length is a normal float.
-vec3 unit(vec3 v) {
-    precise float squared = (v.x * v.x + v.y * v.y) + v.z * v.z;
-    return v * inversesqrt(squared);
+float inner(vec3 a, vec3 b) {
+    precise float product = (a.x * b.x + a.y * b.y) + a.z * b.z;
+    return product;
 }
+
+// v is far from 0 and infinity: its squared length is a normal float.
+vec3 unit(vec3 v) { return v * inversesqrt(inner(v, v)); }

@@ -3,6 +3,7 @@
 // 29, and that of voxels/sample.glsl.
 #include "common/constants.glsl"
 #include "common/frame.glsl"
+#include "common/transform.glsl"
 #include "common/voxel_grid.glsl"
 #define SKY_MAP 29
 #include "cones/emitter_block.glsl"
@@ -116,7 +117,7 @@ const float min_visible = 0.01;
 // The part of the light between two points that nothing stops. In grid space.
 float trace_visibility(vec3 from, vec3 to) {
     vec3 path = to - from;
-    float length = sqrt(dot(path, path));
+    float length = sqrt(inner(path, path));
     vec3 direction = path / max(length, 1e-6);
     float widest = max(abs(direction.x), max(abs(direction.y), abs(direction.z)));
     float transmittance = 1.0;
@@ -145,20 +146,20 @@ vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
     for (int i = 0; i < emitters.count; ++i) {
         EmitterCell emitter = emitters.data[i];
         vec3 path = emitter.position_spread.xyz - position;
-        float squared = max(dot(path, path), 1e-6);
+        float squared = max(inner(path, path), 1e-6);
         vec3 direction = path * inversesqrt(squared);
         float spread = emitter.position_spread.w;
-        float flatness = min(length(emitter.normal.xyz), 1.0);
+        float flatness = min(sqrt(inner(emitter.normal.xyz, emitter.normal.xyz)), 1.0);
         // Of a disk, the mean squared distance from its centre is half the square of its radius.
         float radius = sqrt(2.0 * spread);
         // What of it lies above the horizon, times the cosine there, of a sphere.
-        float cosine = dot(normal, direction);
+        float cosine = inner(normal, direction);
         float sine = min(radius * inversesqrt(squared), 1.0);
         if (abs(cosine) < sine) cosine = (cosine + sine) * (cosine + sine) / (4.0 * sine);
         // The part of its area that it shows, foreshortened: the mean of max(0, u), u the cosine between surface and
         // path, taken as uniform about its mean and as wide as of a sphere's cap, seen from its axis or from the side.
         // Where a voxel's surface lies in it is not known: what is not clearly in front of a plane is in it.
-        float front = -dot(emitter.normal.xyz, path);
+        float front = -inner(emitter.normal.xyz, path);
         float mean = front * inversesqrt(squared);
         float along = min(mean * mean / max(flatness * flatness, 1e-6), 1.0);
         float side = flatness > 0.5 ? 4.0 * flatness * (1.0 - flatness) : 1.0;
@@ -170,7 +171,7 @@ vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
             // Its mean position lies under a bent surface, by this much if that is a sphere's cap. To where a surface
             // seen whole is near, that is toward the receiver.
             float depth = radius * sqrt((1.0 - flatness) / (2.0 + 2.0 * flatness));
-            vec3 outward = normalize(emitter.normal.xyz - (1.0 - flatness) * direction);
+            vec3 outward = unit(emitter.normal.xyz - (1.0 - flatness) * direction);
             sum += emitter.flux.rgb * form *
                    trace_visibility(position + lift * geometric_normal,
                                     emitter.position_spread.xyz + (lift + depth) * outward);
@@ -200,7 +201,7 @@ vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal, uint t
         vec3 direction = vec3(cone.xy, sqrt(max(1.0 - dot(cone.xy, cone.xy), 0.0)));
         // Another for each cone of a place, and each in one of the places.
         float dither = (float((turn + 5u * uint(i)) % uint(turns)) + 0.5) / float(turns);
-        sum += cone.w * trace_cone(origin, frame * direction, cone.z, 1.0, emitted_part,
+        sum += cone.w * trace_cone(origin, transform(frame, direction), cone.z, 1.0, emitted_part,
                                    gather.turned > 0u ? dither : -1.0);
     }
     sum *= pi;
