@@ -10,6 +10,7 @@
 #include "samples/lumo/command_line/arguments.hpp"
 #include "samples/lumo/command_line/settings.hpp"
 #include "samples/lumo/command_line/subcommands.hpp"
+#include "samples/lumo/names.hpp"
 #include "scene/printable.hpp"
 
 namespace lumo::program {
@@ -64,6 +65,20 @@ Json technique_settings(const Options& options) {
     for (const auto& [name, option] : add_technique_settings(app, unused))
         if (options.settings.contains(name)) all[name] = options.settings[name];
     return all;
+}
+
+std::string value_of(const Options& options, const std::string& setting) {
+    return options.settings.contains(setting) ? as_argument(options.settings[setting]) : "";
+}
+
+std::string given_arguments(const Options& options, std::initializer_list<std::string_view> elsewhere) {
+    std::string text;
+    for (const auto& [name, value] : options.settings.items()) {
+        if (!options.given.contains(name) || std::ranges::find(elsewhere, name) != elsewhere.end()) continue;
+        text += " --" + name;
+        if (!value.is_boolean()) text += " " + shell_argument(as_argument(value));
+    }
+    return text;
 }
 
 tl::expected<Options, Refusal> parse_options(int argc, const char* const* argv) {

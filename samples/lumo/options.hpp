@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -108,6 +109,12 @@ Result<Options> with_settings(const Options& options, const std::vector<SettingV
 
 /// Those settings, of Options::settings, that with_settings() can change.
 nlohmann::ordered_json technique_settings(const Options& options);
+
+/// The value of one of Options::settings as its option takes it; empty if it has none.
+std::string value_of(const Options& options, const std::string& setting);
+
+/// The settings that were given, but those `elsewhere`, as on a command line: " --name value" each.
+std::string given_arguments(const Options& options, std::initializer_list<std::string_view> elsewhere);
 
 /// A command line that asks for no work, or for something that there is not.
 struct Refusal {

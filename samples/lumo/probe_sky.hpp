@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "reference/atmosphere_light.hpp"
-#include "samples/lumo/probe_table.hpp"
+#include "samples/lumo/table.hpp"
 #include "techniques/atmosphere/atmosphere.hpp"
 
 namespace lumo::program {

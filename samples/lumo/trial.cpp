@@ -86,6 +86,10 @@ std::optional<reference::TracedLayer> traced_light(frame::Layer layer) {
 
 }  // namespace
 
+bool does_not_fit(const Error& error) {
+    return error.kind == ErrorKind::limit || error.kind == ErrorKind::out_of_memory;
+}
+
 uint64_t Trial::bytes() const {
     return std::accumulate(frame.memory.begin(), frame.memory.end(), uint64_t(0),
                            [](uint64_t sum, const rhi::MemoryEntry& entry) { return sum + entry.bytes; });

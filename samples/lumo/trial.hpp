@@ -44,6 +44,9 @@ struct Trial {
     uint64_t bytes() const;  ///< device memory of all resources, the scene's included
 };
 
+/// An error that says of a configuration that it does not fit the device, which is usable as before.
+bool does_not_fit(const Error& error);
+
 /// A scene on a device, from one camera.
 class TrialDevice {
   public:

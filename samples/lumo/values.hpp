@@ -10,6 +10,9 @@
 
 namespace lumo::program {
 
+/// The parts between separators: one more than there are of these, some perhaps empty.
+std::vector<std::string_view> split(std::string_view text, char separator);
+
 // Errors: invalid_argument with the text as subject and what was expected as message.
 
 Result<double> parse_number(std::string_view text);    ///< finite

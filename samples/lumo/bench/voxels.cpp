@@ -6,6 +6,7 @@
 
 #include "samples/lumo/bench/bench.hpp"
 #include "samples/lumo/input.hpp"
+#include "samples/lumo/trial.hpp"
 #include "scene/gpu_scene.hpp"
 #include "techniques/frame/frame.hpp"
 
@@ -102,9 +103,7 @@ class Bench {
             std::vector<double> cones;
             Result<void> done = run(settings, geometry, measured, voxelize, inject, cones);
             if (!done) {
-                const bool of_the_row =
-                    done.error().kind == ErrorKind::limit || done.error().kind == ErrorKind::out_of_memory;
-                if (!of_the_row) return tl::unexpected(done.error());
+                if (!does_not_fit(done.error())) return tl::unexpected(done.error());
                 measured.error = done.error();
                 return measured;
             }

@@ -18,10 +18,6 @@ using Json = nlohmann::ordered_json;
 constexpr uint64_t largest_config = uint64_t(1) << 20;  // bytes
 constexpr uint32_t most_frames = 1'000'000;
 
-std::string as_argument(const Json& value) {
-    return value.is_string() ? value.get<std::string>() : value.dump();
-}
-
 }  // namespace
 
 SettingOptions add_technique_settings(CLI::App& app, Options& options) {
@@ -254,6 +250,10 @@ SettingOptions add_picture_settings(CLI::App& app, Options& options) {
                 return parse_sun(text).map([&](const Sun& sun) { animation.sun_to = sun; });
             });
     return all;
+}
+
+std::string as_argument(const Json& value) {
+    return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
 Result<void> give(CLI::Option& option, const std::string& value) {

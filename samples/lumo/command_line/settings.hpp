@@ -29,6 +29,8 @@ SettingOptions add_picture_settings(CLI::App& app, Options& options);
 CLI::Option* add_spp(CLI::App& app, Options& options);
 CLI::Option* add_runs(CLI::App& app, Options& options, const std::string& help);
 
+/// A setting's value as the command line would give it.
+std::string as_argument(const nlohmann::ordered_json& value);
 /// Gives an option a value as the command line would. Errors: invalid_argument.
 Result<void> give(CLI::Option& option, const std::string& value);
 /// Gives options the values of a file where the command line has none. Errors: io, invalid_file.

@@ -4,6 +4,7 @@
 #include <array>
 #include <fmt/format.h>
 
+#include "samples/lumo/values.hpp"
 #include "scene/printable.hpp"
 
 namespace lumo::program {
@@ -15,27 +16,12 @@ constexpr size_t most_configurations = 10'000;
 const std::array<std::string, 4> standard_axes{"voxels=64,128", "cones=3,6,9,18", "mips=iso,ani",
                                                "rotate-cones=off,on"};
 
-struct Axis {
-    std::string name;
-    std::vector<std::string> values;
-};
-
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> parts;
-    for (size_t begin = 0; begin <= text.size();) {
-        const size_t end = std::min(text.find(',', begin), text.size());
-        parts.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return parts;
-}
-
-Result<SettingValue> setting_of(const std::string& text, std::string_view option, std::string_view form) {
+Result<SettingValue> setting_of(std::string_view text, std::string_view option, std::string_view form) {
     const size_t equals = text.find('=');
     if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
         return fail(ErrorKind::invalid_argument, fmt::format("{} '{}'", option, scene::printable(text)),
                     fmt::format("expected {}", form));
-    return SettingValue{text.substr(0, equals), text.substr(equals + 1)};
+    return SettingValue{std::string(text.substr(0, equals)), std::string(text.substr(equals + 1))};
 }
 
 /// Where a configuration came from goes into its errors.
@@ -55,8 +41,8 @@ Result<std::vector<Options>> combinations_of(const Options& options) {
         if (!axis) return tl::unexpected(axis.error());
         std::vector<Options> wider;
         for (const Options& each : all) {
-            for (const std::string& value : split(axis->second)) {
-                auto changed = with_settings_of(each, {{axis->first, value}}, "--vary");
+            for (const std::string_view value : split(axis->second, ',')) {
+                auto changed = with_settings_of(each, {{axis->first, std::string(value)}}, "--vary");
                 if (!changed) return tl::unexpected(changed.error());
                 wider.push_back(std::move(*changed));
             }
@@ -71,7 +57,7 @@ Result<std::vector<Options>> combinations_of(const Options& options) {
     if (axes.empty()) all.clear();
     for (const std::string& text : options.also) {
         std::vector<SettingValue> values;
-        for (const std::string& part : split(text)) {
+        for (const std::string_view part : split(text, ',')) {
             const auto value = setting_of(part, "--also", "NAME=V,NAME=V,..., as voxels=256,cones=18");
             if (!value) return tl::unexpected(value.error());
             values.push_back(*value);
@@ -81,10 +67,6 @@ Result<std::vector<Options>> combinations_of(const Options& options) {
         all.push_back(std::move(*changed));
     }
     return all;
-}
-
-std::string text_of(const nlohmann::ordered_json& value) {
-    return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
 /// As short as it can be while a reader of the options still knows it.
@@ -105,10 +87,6 @@ std::string label_of(const std::vector<SettingValue>& varied) {
 }
 
 }  // namespace
-
-std::string value_of(const Options& options, const std::string& setting) {
-    return options.settings.contains(setting) ? text_of(options.settings[setting]) : "";
-}
 
 Result<std::vector<Configuration>> configurations_of(const Options& options) {
     auto combinations = combinations_of(options);

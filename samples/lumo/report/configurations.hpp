@@ -25,7 +25,4 @@ Result<std::vector<Configuration>> configurations_of(const Options& options);
 /// What it shares with others it is the same for, so that it need not be measured for each.
 Result<Configuration> floor_of(const Configuration& configuration, const Options& standard);
 
-/// The value of a setting as its option takes it.
-std::string value_of(const Options& options, const std::string& setting);
-
 }  // namespace lumo::program

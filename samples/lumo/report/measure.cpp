@@ -65,10 +65,6 @@ double seconds_of(auto&& work) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-bool of_the_configuration(const Error& error) {
-    return error.kind == ErrorKind::limit || error.kind == ErrorKind::out_of_memory;
-}
-
 class Work {
   public:
     Work(const Options& options, Findings& findings, const scene::Scene& scene, const scene::Camera& camera,
@@ -147,7 +143,7 @@ class Work {
         Result<void> done;
         const double seconds = seconds_of([&] { done = measure(device, configuration, measured); });
         schedule_.took(seconds);
-        if (!done && !of_the_configuration(done.error())) return tl::unexpected(done.error());
+        if (!done && !does_not_fit(done.error())) return tl::unexpected(done.error());
         if (!done) measured.does_not_fit = to_string(done.error());
         if (Result<void> kept = log_.add(measured); !kept) return tl::unexpected(kept.error());
         return measured;
@@ -204,7 +200,7 @@ class Work {
                     return errors_against(truths_.at(rays.options.frame.bounces), layers);
                 });
             }));
-            if (!errors && !of_the_configuration(errors.error())) return tl::unexpected(errors.error());
+            if (!errors && !does_not_fit(errors.error())) return tl::unexpected(errors.error());
             if (errors)
                 measured.errors = *errors;
             else

@@ -101,11 +101,7 @@ std::string summary(const Findings& findings) {
 
 std::string command_of(const Options& options) {
     std::string text = "lumo report " + shell_argument(options.scene);
-    for (const auto& [name, value] : options.settings.items()) {
-        if (name == "scene" || !options.given.contains(name)) continue;
-        text += " --" + name;
-        if (!value.is_boolean()) text += " " + shell_argument(value_of(options, name));
-    }
+    text += given_arguments(options, {"scene"});
     for (const std::string& axis : options.vary) text += " --vary " + shell_argument(axis);
     for (const std::string& more : options.also) text += " --also " + shell_argument(more);
     return text;

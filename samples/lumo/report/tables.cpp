@@ -3,6 +3,8 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "samples/lumo/table.hpp"
+
 namespace lumo::program {
 namespace {
 
@@ -26,34 +28,15 @@ Json to_json(const Row& row, const Configuration& configuration) {
     return json;
 }
 
-/// Fields of a line, by commas.
-class Line {
-  public:
-    void add(std::string_view text) {
-        if (!std::exchange(first_, false)) text_ += ',';
-        if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
-            text_ += text;
-            return;
-        }
-        text_ += '"';
-        for (const char c : text) text_ += c == '"' ? std::string("\"\"") : std::string(1, c);
-        text_ += '"';
-    }
-    void add(double value) { add(std::isfinite(value) ? fmt::format("{:.6g}", value) : std::string()); }
-    void add(uint64_t value) { add(fmt::to_string(value)); }
+using Cells = std::vector<std::string>;
 
-    std::string ended() const { return text_ + '\n'; }
+std::string cell(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : std::string(); }
 
-  private:
-    std::string text_;
-    bool first_ = true;
-};
-
-void add_errors(Line& line, const std::vector<LayerError>& errors, frame::Layer layer) {
+void add_errors(Cells& cells, const std::vector<LayerError>& errors, frame::Layer layer) {
     const LayerError* error = error_of(errors, layer);
     for (const auto member :
          {&LayerError::relative_rmse, &LayerError::bias, &LayerError::percentile95, &LayerError::flip_mean})
-        error ? line.add(error->*member) : line.add(std::string_view());
+        cells.push_back(error ? cell(error->*member) : "");
 }
 
 }  // namespace
@@ -93,50 +76,42 @@ Json to_json(const Findings& findings) {
 }
 
 std::string to_csv(const Findings& findings) {
-    Line head;
-    for (const char* name : {"api", "device", "driver"}) head.add(name);
-    for (const auto& [name, value] : findings.configurations.front().varied) head.add(name);
+    Table table{.columns = {"api", "device", "driver"}, .rows = {}};
+    for (const auto& [name, value] : findings.configurations.front().varied) table.columns.push_back(name);
     for (const char* name : {"default", "on_front", "above_front", "runs", "gpu_ms", "gpu_ms_error", "bytes"})
-        head.add(name);
+        table.columns.emplace_back(name);
     const auto& layers = findings.options.frame.layers;
     for (const frame::Layer layer : layers) {
         for (const char* against : {"", "all_bounces_"})
             for (const char* figure : {"relative_rmse", "bias", "percentile95_relative", "flip_mean"})
-                head.add(fmt::format("{}_{}{}", frame::to_string(layer), against, figure));
+                table.columns.push_back(fmt::format("{}_{}{}", frame::to_string(layer), against, figure));
     }
-    for (const char* name : {"floor_relative_rmse", "does_not_fit"}) head.add(name);
+    for (const char* name : {"floor_relative_rmse", "does_not_fit"}) table.columns.emplace_back(name);
 
-    std::string text = head.ended();
     for (const DeviceFindings& device : findings.devices) {
         for (const Row& row : device.rows) {
             const Measurement& measured = row.measured;
             const Configuration& configuration = findings.configurations[row.configuration];
-            Line line;
-            line.add(to_string(device.info.api));
-            line.add(device.info.name);
-            line.add(device.info.driver);
-            for (const auto& [name, value] : configuration.varied) line.add(value);
-            line.add(uint64_t(configuration.standard));
-            line.add(uint64_t(row.on_front));
-            if (measured.does_not_fit.empty()) {
-                line.add(row.above_front);
-                line.add(uint64_t(measured.runs));
-                line.add(measured.gpu_ms);
-                line.add(measured.gpu_ms_error);
-                line.add(measured.bytes);
-            } else {
-                for (int i = 0; i < 5; ++i) line.add(std::string_view());
-            }
+            Cells cells{std::string(to_string(device.info.api)), device.info.name, device.info.driver};
+            for (const auto& [name, value] : configuration.varied) cells.push_back(value);
+            cells.emplace_back(configuration.standard ? "1" : "0");
+            cells.emplace_back(row.on_front ? "1" : "0");
+            if (measured.does_not_fit.empty())
+                cells.insert(cells.end(),
+                             {cell(row.above_front), fmt::to_string(measured.runs), cell(measured.gpu_ms),
+                              cell(measured.gpu_ms_error), fmt::to_string(measured.bytes)});
+            else
+                cells.resize(cells.size() + 5);
             for (const frame::Layer layer : layers) {
-                add_errors(line, measured.errors, layer);
-                add_errors(line, measured.errors_all_bounces, layer);
+                add_errors(cells, measured.errors, layer);
+                add_errors(cells, measured.errors_all_bounces, layer);
             }
-            row.floor ? line.add(*row.floor) : line.add(std::string_view());
-            line.add(measured.does_not_fit);
-            text += line.ended();
+            cells.push_back(row.floor ? cell(*row.floor) : "");
+            cells.push_back(measured.does_not_fit);
+            table.rows.push_back({.cells = std::move(cells)});
         }
     }
-    return text;
+    return to_csv(table);
 }
 
 }  // namespace lumo::program

@@ -1,6 +1,5 @@
 // lumo tune: the configuration of a scene on a device that keeps a bound on error or time.
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,7 +13,7 @@
 #include "samples/lumo/names.hpp"
 #include "samples/lumo/open_devices.hpp"
 #include "samples/lumo/progress.hpp"
-#include "samples/lumo/report/configurations.hpp"
+#include "samples/lumo/report/pareto.hpp"
 #include "samples/lumo/trial.hpp"
 #include "samples/lumo/tune/search.hpp"
 #include "scene/printable.hpp"
@@ -165,8 +164,7 @@ class Measurer {
         const auto trial = device_->run(options->frame, {.most = options_.runs});
         if (!trial) {
             constexpr double none = std::numeric_limits<double>::infinity();
-            if (trial.error().kind == ErrorKind::limit || trial.error().kind == ErrorKind::out_of_memory)
-                return Tradeoff{none, none};
+            if (does_not_fit(trial.error())) return Tradeoff{none, none};
             return tl::unexpected(trial.error());
         }
         const auto errors = errors_against(truth_, trial->layers);
@@ -197,13 +195,7 @@ class Measurer {
 std::string render_command(const Options& options, rhi::Api api) {
     std::string text = "lumo render " + shell_argument(options.scene);
     text += fmt::format(" --api {} --size {}", to_string(api), value_of(options, "size"));
-    for (const auto& [name, value] : options.settings.items()) {
-        constexpr std::array<std::string_view, 6> elsewhere{"scene", "api", "size", "spp", "runs", "layer"};
-        if (!options.given.contains(name) || std::ranges::find(elsewhere, name) != elsewhere.end()) continue;
-        text += " --" + name;
-        if (!value.is_boolean()) text += " " + shell_argument(value_of(options, name));
-    }
-    return text;
+    return text + given_arguments(options, {"scene", "api", "size", "spp", "runs", "layer"});
 }
 
 std::string to_text(const Goal& goal, frame::Layer layer) {

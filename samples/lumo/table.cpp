@@ -1,4 +1,4 @@
-#include "samples/lumo/probe_table.hpp"
+#include "samples/lumo/table.hpp"
 
 #include <algorithm>
 #include <csv.h>
@@ -111,10 +111,15 @@ Result<Table> read_table(const std::filesystem::path& file) {
     return table;
 }
 
-Result<void> write_table(const std::filesystem::path& file, const Table& table) {
+std::string to_csv(const Table& table) {
     std::string text;
     append(text, table.columns);
     for (const Table::Row& row : table.rows) append(text, row.cells);
+    return text;
+}
+
+Result<void> write_table(const std::filesystem::path& file, const Table& table) {
+    const std::string text = to_csv(table);
     return scene::write_file(file, std::as_bytes(std::span(text)));
 }
 

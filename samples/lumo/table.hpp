@@ -29,7 +29,10 @@ struct Table {
 /// another length, a quote out of place.
 Result<Table> read_table(const std::filesystem::path& file);
 
-/// Quotes where it must. Errors: io.
+/// As read_table reads it; quotes where it must.
+std::string to_csv(const Table& table);
+
+/// Errors: io.
 Result<void> write_table(const std::filesystem::path& file, const Table& table);
 
 }  // namespace lumo::program
