@@ -49,6 +49,20 @@ TEST_F(Tune, WhatItFindsKeepsTheBound) {
     EXPECT_LE(compared["layers"][0]["relative_rmse"], 0.9);
 }
 
+/// Most light of the shadows is the sky's: a truth without it is off by far more.
+TEST_F(Tune, TheTruthHasTheScenesSky) {
+    const nlohmann::json found = nlohmann::json::parse(
+        done({"tune",           "sky",     "--size",      "32x18", "--spp",       "64",
+              "--runs",         "1",       "--bounces",   "1",     "--mips",      "ani",
+              "--range",        "auto",    "--storage",   "vt",    "--voxelizer", "compute",
+              "--materials",    "diffuse", "--voxels",    "32",    "--preset",    "fast",
+              "--cones",        "9",       "--gather",    "cones", "--apertures", "uniform",
+              "--rotate-cones", "on",      "--max-error", "20%",   "--json",      "--quiet"})
+            .out);
+    EXPECT_EQ(found["configurations"], 1);
+    EXPECT_LT(found["measured"]["relative_rmse"], 0.2);
+}
+
 TEST_F(Tune, SaysWhereNoConfigurationKeepsTheBound) {
     const Outcome outcome = lumo(tuned({"--max-error", "0.001", "--cones", "9"}));
     EXPECT_EQ(outcome.exit_code, 1);

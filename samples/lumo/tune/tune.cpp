@@ -14,6 +14,7 @@
 #include "samples/lumo/open_devices.hpp"
 #include "samples/lumo/progress.hpp"
 #include "samples/lumo/report/pareto.hpp"
+#include "samples/lumo/sky.hpp"
 #include "samples/lumo/trial.hpp"
 #include "samples/lumo/tune/search.hpp"
 #include "scene/printable.hpp"
@@ -220,9 +221,10 @@ nlohmann::ordered_json to_json(const Tradeoff& choice) {
 Result<int> tune(const Options& asked) {
     const auto options = prepared(asked);
     if (!options) return tl::unexpected(options.error());
-    const auto scene = load_scene(*options);
+    auto scene = load_scene(*options);
     if (!scene) return tl::unexpected(scene.error());
     for (const std::string& line : warnings_of(*scene)) spdlog::warn("{}", line);
+    if (const Result<void> done = add_sky_map(*scene, *options); !done) return tl::unexpected(done.error());
     const auto camera = choose_camera(*options, *scene);
     if (!camera) return tl::unexpected(camera.error());
     const auto api = api_of(*options);
