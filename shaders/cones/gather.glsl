@@ -30,7 +30,6 @@ layout(binding = gather_binding + 4, std140) uniform Gather {
     float radiance_unit;     // radiance = stored * radiance_unit, W/m²/sr
     float emission_unit;
     int cone_count;
-    uint turned;             // 1: a place of a 4 x 4 pattern has cones of its own
     vec3 environment;        // radiance, W/m²/sr
     float resolution;        // voxels a side
     float occlusion_radius;  // voxels; what is as far occludes by half
@@ -41,9 +40,8 @@ layout(binding = gather_binding + 5, std140) uniform Emitters { EMITTER_BLOCK } 
 
 // The filter reaches a whole voxel to each side, voxels are as wide again, and every other one comes from the level
 // above: voxels of a quarter of the cone's diameter see just the cone, and so not the surface that it starts from.
+// Steps are as long as they are wide, so that a sample's opacity is a step's.
 const float voxel_per_diameter = 0.25;
-const float step_per_diameter = 0.25;
-const float least_step = 1.0;  // voxels
 
 // A cone ends when less than this part of the light behind gets through.
 const float min_transmittance = 0.05;
@@ -53,51 +51,86 @@ vec3 environment_in_cone(vec3 direction, float tan_half_aperture) {
     return gather_sky ? sky_in_cone(direction, tan_half_aperture) : gather.environment;
 }
 
-// Radiance from a cone, with this part of what emits. Origin in grid space, `start` in voxels. `dither`: 0 to 1, of
-// cones whose mean is taken over all of them, which then read one mip instead of two; or negative.
-vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start, float emitted_part, float dither) {
-    vec3 radiance = vec3(0);
-    float transmittance = 1.0;
-    Facing facing = facing_of(direction);
-    float distance = start;
-    vec3 position = origin + direction * distance;
+struct Cone {
+    vec3 origin;  // grid space
+    vec3 direction;
+    Facing facing;
+    float voxel_per_distance;
+    float emitted_part;
+    float dither;
+};
+
+// What a cone has met, what gets through that, and how far it is.
+struct March {
+    vec3 radiance;
+    float transmittance;
+    float distance;  // voxels
+};
+
+// Which levels a part of the way reads. One after the other, each by a loop of its own: software drivers run both sides
+// of a branch, and so would read every level's textures at every step.
+const int finest = 0;
+const int between = 1;
+const int coarser = 2;
+
+vec4 sample_at(sampler3D base, sampler3D directions, vec3 uvw, Facing facing, float lod, int levels) {
+    if (levels == finest) return sample_finest(base, uvw);
+    if (levels == between) return sample_volume(base, directions, uvw, facing, lod, gather.resolution);
+    return sample_coarser(base, directions, uvw, facing, lod, gather.resolution);
+}
+
+// The cone's way up to `end`, a distance.
+void advance(inout March march, Cone cone, int levels, float end) {
+    vec3 position = cone.origin + cone.direction * march.distance;
     float margin = 0.0;
     // One exit: Mesa's GLSL compiler goes wrong on a loop that leaves its function from the middle. What lies at the
     // grid's side reaches over it, by the filter.
-    while (transmittance >= min_transmittance && all(greaterThanEqual(position, vec3(-margin))) &&
+    while (march.distance < end && march.transmittance >= min_transmittance &&
+           all(greaterThanEqual(position, vec3(-margin))) &&
            all(lessThanEqual(position, vec3(gather.resolution + margin)))) {
-        float diameter = 2.0 * tan_half_aperture * distance;
-        float stride = max(step_per_diameter * diameter, least_step);
-        float voxel = max(voxel_per_diameter * diameter, 1.0);
+        float voxel = max(cone.voxel_per_distance * march.distance, 1.0);
         float lod = log2(voxel);
-        if (dither >= 0.0) lod = floor(lod + dither);
+        if (whole_levels) lod = floor(lod + cone.dither);
         vec3 uvw = position / gather.resolution;
-        vec4 stored = sample_volume(voxel_radiance, voxel_radiance_directions, uvw, facing, lod, gather.resolution);
+        vec4 stored = sample_at(voxel_radiance, voxel_radiance_directions, uvw, cone.facing, lod, levels);
         if (stored.a > 0.0) {
             vec3 leaving = gather_reflected ? stored.rgb * gather.radiance_unit : vec3(0);
             // Occlusion is the irradiance of surfaces that are each as bright as their distance weighs.
-            if (gather_occlusion) leaving = vec3(stored.a / (1.0 + distance / gather.occlusion_radius));
-            if (gather_emission && emitted_part > 0.0) {
-                leaving += emitted_part * sample_volume(voxel_emission, voxel_emission_directions, uvw, facing, lod,
-                                         gather.resolution).rgb *
-                           gather.emission_unit;
+            if (gather_occlusion) leaving = vec3(stored.a / (1.0 + march.distance / gather.occlusion_radius));
+            if (gather_emission && cone.emitted_part > 0.0) {
+                leaving += cone.emitted_part * gather.emission_unit *
+                           sample_at(voxel_emission, voxel_emission_directions, uvw, cone.facing, lod, levels).rgb;
             }
-            // Opacity is per voxel of path.
-            float opacity = 1.0 - pow(max(1.0 - stored.a, 0.0), stride / voxel);
-            radiance += transmittance * leaving * (opacity / stored.a);
-            transmittance *= 1.0 - opacity;
+            march.radiance += march.transmittance * leaving;
+            march.transmittance *= max(1.0 - stored.a, 0.0);
         }
         if (gather_occlusion) margin = voxel;
-        distance += stride;
-        position = origin + direction * distance;
+        march.distance += voxel;
+        position = cone.origin + cone.direction * march.distance;
     }
-    if (gather_occlusion && transmittance < min_transmittance) {
+}
+
+// Radiance from a cone, with this part of what emits. Origin in grid space, `start` in voxels. `dither`: 0 to 1, with
+// whole_levels: of cones whose mean is taken over all of them, which read one of the two levels beside theirs.
+vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start, float emitted_part, float dither) {
+    float voxel_per_distance = max(2.0 * tan_half_aperture * voxel_per_diameter, 1e-6);
+    Cone cone = Cone(origin, direction, facing_of(direction), voxel_per_distance, emitted_part, dither);
+    March march = March(vec3(0), 1.0, start);
+    const float everywhere = 1e30;
+    if (whole_levels) {
+        advance(march, cone, finest, exp2(1.0 - dither) / voxel_per_distance);
+    } else {
+        advance(march, cone, finest, 1.0 / voxel_per_distance);
+        advance(march, cone, between, 2.0 / voxel_per_distance);
+    }
+    advance(march, cone, coarser, everywhere);
+    if (gather_occlusion && march.transmittance < min_transmittance) {
         // The rest is as what was met.
-        radiance /= 1.0 - transmittance;
+        march.radiance /= 1.0 - march.transmittance;
     }
-    if (gather_environment && transmittance >= min_transmittance)
-        radiance += transmittance * environment_in_cone(direction, tan_half_aperture);
-    return radiance;
+    if (gather_environment && march.transmittance >= min_transmittance)
+        march.radiance += march.transmittance * environment_in_cone(direction, tan_half_aperture);
+    return march.radiance;
 }
 
 const float lift = 1.5;
@@ -192,7 +225,7 @@ vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal, uint t
     // The surface's own voxels reach one voxel from it, the filter half of one more.
     vec3 origin = position + geometric_normal;
     mat3 frame = frame_about(normal);
-    int set = int(turn % uint(turns) * gather.turned) * gather.cone_count;
+    int set = whole_levels ? int(turn % uint(turns)) * gather.cone_count : 0;
     float emitted_part = gather_emission ? 1.0 - emitters.share : 0.0;
     vec3 sum = vec3(0);
     bool light = gather_reflected || gather_environment || emitted_part > 0.0;
@@ -201,8 +234,7 @@ vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal, uint t
         vec3 direction = vec3(cone.xy, sqrt(max(1.0 - dot(cone.xy, cone.xy), 0.0)));
         // Another for each cone of a place, and each in one of the places.
         float dither = (float((turn + 5u * uint(i)) % uint(turns)) + 0.5) / float(turns);
-        sum += cone.w * trace_cone(origin, transform(frame, direction), cone.z, 1.0, emitted_part,
-                                   gather.turned > 0u ? dither : -1.0);
+        sum += cone.w * trace_cone(origin, transform(frame, direction), cone.z, 1.0, emitted_part, dither);
     }
     sum *= pi;
     if (gather_emission) sum += emitter_irradiance(position, geometric_normal, normal);

@@ -5,7 +5,8 @@
 // level 0, the directions those of the other levels, isotropic or not.
 #include "voxels/octree.glsl"
 
-layout(constant_id = 23) const bool anisotropic = false;  // mips in six directions
+layout(constant_id = 23) const bool anisotropic = false;   // mips in six directions
+layout(constant_id = 25) const bool whole_levels = false;  // every level that is asked for is a whole number
 
 // The octree's. One place in every program that samples voxels, out of the way of its other bindings.
 layout(binding = 31) uniform usampler3D voxel_nodes;
@@ -98,7 +99,7 @@ Seen sample_brick_directions(sampler3D pool, InBrick place, Facing facing) {
 
 vec4 sample_octree_isotropic(sampler3D base, sampler3D coarse, vec3 uvw, float lod) {
     int level = int(lod);
-    float part = lod - float(level);
+    float part = whole_levels ? 0.0 : lod - float(level);
     // Where a level has nothing, no finer one has.
     vec4 value = vec4(0);
     InBrick above = find_brick(uvw, part > 0.0 ? min(level + 1, octree_levels) : level);
@@ -117,7 +118,7 @@ vec4 sample_octree_isotropic(sampler3D base, sampler3D coarse, vec3 uvw, float l
 
 vec4 sample_octree_anisotropic(sampler3D base, sampler3D coarse, vec3 uvw, Facing facing, float lod) {
     int level = int(lod);
-    float part = lod - float(level);
+    float part = whole_levels ? 0.0 : lod - float(level);
     vec4 value = vec4(0);
     InBrick above = find_brick(uvw, part > 0.0 ? min(level + 1, octree_levels) : level);
     if (above.there) {
@@ -147,6 +148,27 @@ float octree_opacity(sampler3D base, sampler3D coarse, vec3 uvw, int level) {
     return level == 0 ? sample_brick(base, here).a : sample_brick(coarse, here).a;
 }
 
+// Level 0 alone.
+vec4 sample_finest(sampler3D base, vec3 uvw) {
+    return octree_levels > 0 ? sample_brick(base, find_brick(uvw, 0)) : textureLod(base, uvw, 0.0);
+}
+
+// A level from 1 on, or what lies between two.
+vec4 sample_coarser(sampler3D base, sampler3D directions, vec3 uvw, Facing facing, float lod, float resolution) {
+    if (octree_levels > 0 && whole_levels) {
+        InBrick place = find_brick(uvw, min(int(lod), octree_levels));
+        return anisotropic ? combine(sample_brick_directions(directions, place, facing), facing)
+                           : sample_brick(directions, place);
+    }
+    if (octree_levels > 0) {
+        float within = min(lod, float(octree_levels));
+        return anisotropic ? sample_octree_anisotropic(base, directions, uvw, facing, within)
+                           : sample_octree_isotropic(base, directions, uvw, within);
+    }
+    return anisotropic ? sample_directions(directions, uvw, facing, lod - 1.0, resolution)
+                       : textureLod(base, uvw, lod);
+}
+
 vec4 sample_volume(sampler3D base, sampler3D directions, vec3 uvw, Facing facing, float lod, float resolution) {
     if (octree_levels > 0) {
         float within = clamp(lod, 0.0, float(octree_levels));
@@ -156,11 +178,11 @@ vec4 sample_volume(sampler3D base, sampler3D directions, vec3 uvw, Facing facing
     if (!anisotropic) return textureLod(base, uvw, lod);
     vec4 value;
     if (lod <= 0.0) {
-        value = textureLod(base, uvw, 0.0);
+        value = sample_finest(base, uvw);
     } else {
         value = sample_directions(directions, uvw, facing, max(lod - 1.0, 0.0), resolution);
         // Where a level has nothing, no finer one has.
-        if (lod < 1.0 && value.a > 0.0) value = mix(textureLod(base, uvw, 0.0), value, lod);
+        if (lod < 1.0 && value.a > 0.0) value = mix(sample_finest(base, uvw), value, lod);
     }
     return value;
 }

@@ -30,6 +30,7 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
                  .gather_environment = needs.environment,
                  .anisotropic = volume.settings().mips == voxels::MipKind::anisotropic,
                  .octree_levels = volume.octree_levels(),
+                 .whole_levels = settings.cones.turned,
                  .gather_sky = needs.sky,
                  .several_lights = needs.several_lights})
             .map([&](auto created) { pipeline = std::move(created); });

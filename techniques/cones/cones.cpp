@@ -39,6 +39,7 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
                                          .gather_environment = needs.environment,
                                          .anisotropic = needs.anisotropic,
                                          .octree_levels = needs.octree_levels,
+                                         .whole_levels = settings.turned,
                                          .gather_occlusion = needs.occlusion,
                                          .gather_sky = needs.sky})
                                     .map(keep(made.pipeline_));

@@ -13,7 +13,6 @@ GatherBlock gather_block(const Distribution& distribution, const Source& source)
     block.radiance_unit = volume.radiance_unit;
     block.emission_unit = volume.emission_unit;
     block.cone_count = int32_t(distribution.cones.size()) / distribution.sets;
-    block.turned = distribution.sets > 1 ? 1 : 0;
     block.environment = source.environment;
     block.resolution = float(volume.grid.resolution);
     block.occlusion_radius =
