@@ -4,18 +4,22 @@
 #include "voxels/reflect.glsl"
 const int gather_binding = 5;
 #include "cones/gather.glsl"
+#define BLOCK_MARKS 11
+#include "cones/rays.glsl"
 
 // A group takes a block of cells and gathers for those that hold surfaces, which are few, side by side.
 const int block_size = 512;
 // Number by number: a vector chosen by a specialization constant comes out wrong on some drivers.
 ivec3 block_log2() { return ivec3(octree_levels > 0 ? 6 : 3, 3, octree_levels > 0 ? 0 : 3); }
 layout(local_size_x = 64) in;
+layout(constant_id = 31) const bool by_rays = false;  // in place of cones
 
 layout(push_constant) uniform Push {
     vec3 flux;             // FluxUnits
     float lit_area;
     float lights;
     float radiance_scale;  // stored = radiance * radiance_scale
+    int rays;              // a voxel
 } push;
 
 layout(binding = 0, rgba8) readonly uniform image3D albedo;
@@ -40,6 +44,17 @@ ivec3 cell_in_block(uint place) {
     return (ivec3(gl_WorkGroupID) << bits) + (offsets & (ivec3(1) << bits) - 1);
 }
 
+// Indirect irradiance of a side of a voxel, W/m².
+vec3 side_irradiance(ivec3 voxel, vec3 side) {
+    uvec3 place = uvec3(voxel);
+    uint turn = turn_of(place.xy) + turn_of(place.yz) + turn_of(place.zx);
+    vec3 position = vec3(voxel) + 0.5;
+    if (!by_rays) return gather_irradiance(position, side, side, turn);
+    vec3 irradiance = rays_irradiance(ray_start(position, side, side, 1.0), side, side, turn, 0, push.rays, push.rays);
+    if (gather_emission) irradiance += emitter_irradiance(position, side, side);
+    return irradiance;
+}
+
 void reflect_from(ivec3 cell) {
     vec4 surface = imageLoad(albedo, cell);
     FluxUnits units = FluxUnits(push.flux, push.lit_area, push.lights);
@@ -50,10 +65,9 @@ void reflect_from(ivec3 cell) {
     // Where a voxel's surfaces face opposite ways the mean says nothing, and both sides count.
     int sides = agreement > 0.25 ? 1 : 2;
     vec3 side = agreement > 0.25 ? facing / agreement : vec3(0, 1, 0);
-    uvec3 place = uvec3(voxel_of(cell));
-    uint turn = turn_of(place.xy) + turn_of(place.yz) + turn_of(place.zx);
+    ivec3 voxel = voxel_of(cell);
     for (int i = 0; i < sides; ++i) {
-        irradiance += gather_irradiance(vec3(voxel_of(cell)) + 0.5, side, side, turn) / float(sides);
+        irradiance += side_irradiance(voxel, side) / float(sides);
         side = -side;
     }
     imageStore(radiance, cell, vec4(surface.rgb / pi * irradiance * push.radiance_scale, 1) * surface.a);

@@ -32,7 +32,8 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
                  .octree_levels = volume.octree_levels(),
                  .whole_levels = settings.cones.turned,
                  .gather_sky = needs.sky,
-                 .several_lights = needs.several_lights})
+                 .several_lights = needs.several_lights,
+                 .by_rays = settings.rays > 0})
             .map([&](auto created) { pipeline = std::move(created); });
     };
     // Emission and environment are reflected for the first time by the first gather, which must not add what the
@@ -67,13 +68,15 @@ voxels::View Bounce::record(rhi::Commands& commands, const voxels::Volume& volum
                        .voxel_emission_directions = gather.emission_directions,
                        .gather = gather.block,
                        .emitters = gather.emitters,
+                       .block_marks = source.volume.block_marks,
                        .sky_map = gather.sky,
                        .voxels = volume.voxel_list(),
                        .voxel_nodes = gather.nodes},
                       {.flux = volume.injected().flux,
                        .lit_area = volume.injected().lit_area,
                        .lights = volume.injected().lights,
-                       .radiance_scale = volume.injected().radiance_scale},
+                       .radiance_scale = volume.injected().radiance_scale,
+                       .rays = int32_t(std::min(settings_.rays, max_rays))},
                       blocks);
         volume.spread(pass, target);
         source.volume.radiance = voxels::view_of(target);

@@ -16,7 +16,12 @@ struct Settings {
     /// Reflections before the light reaches the surface that the camera sees, at least 1.
     uint32_t bounces = 1;
     cones::Settings cones = {};
+    /// Rays a voxel through the finest voxels, in place of cones, at most max_rays; 0: cones.
+    uint32_t rays = 0;
 };
+
+/// What a voxel gathers is seen by many rays or cones, so that more of its own add nothing.
+inline constexpr uint32_t max_rays = 32;
 
 /// What lights the scene beside analytic lights, and how many those are.
 struct Needs {

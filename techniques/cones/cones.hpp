@@ -1,13 +1,13 @@
 // Indirect light at the pixels of a G-buffer, by cones through a voxel volume.
 #pragma once
 
-#include <glm/glm.hpp>
+#include <optional>
 #include <string_view>
 
 #include "rhi/rhi.hpp"
 #include "shaders/cones/irradiance.hpp"
-#include "shaders/cones/smooth_pattern.hpp"
 #include "techniques/cones/gather.hpp"
+#include "techniques/cones/pattern_mean.hpp"
 #include "techniques/gbuffer/gbuffer.hpp"
 #include "techniques/voxels/voxels.hpp"
 
@@ -31,23 +31,16 @@ class Irradiance {
 
     /// What record() fills, to copy it from.
     const rhi::Texture& irradiance() const { return irradiance_; }
-    /// One set of cones for all places, for those who gather without taking the mean over a pattern.
-    const Distribution& plain_distribution() const { return plain_; }
-    /// The sampler that volumes are read through.
-    rhi::SamplerHandle volume_sampler() const { return volume_sampler_; }
-    rhi::SamplerHandle point_sampler() const { return point_sampler_; }
 
   private:
-    Distribution plain_;
     Distribution distribution_;
     std::string_view name_;
     rhi::Extent size_;
-    rhi::Texture gathered_;  ///< before the mean over the pattern is taken, where there is one
     rhi::Texture irradiance_;
+    std::optional<PatternMean> mean_;  ///< where there is a pattern
     rhi::Sampler volume_sampler_;
     rhi::Sampler point_sampler_;
     rhi::ComputePipeline<shaders::cones::irradiance> pipeline_;
-    rhi::ComputePipeline<shaders::cones::smooth_pattern> smooth_;
 };
 
 }  // namespace lumo::cones

@@ -79,21 +79,28 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& asked, const Pl
         made = keep(cones::Emitters::create(device, settings.voxels), frame.emitters_);
     }
     if (made && plan.needs("voxels.bounce")) {
-        made = keep(bounce::Bounce::create(device, {.bounces = settings.bounces, .cones = settings.cones},
-                                           {.emission = emission,
-                                            .environment = environment,
-                                            .sky = sky_lights,
-                                            .several_lights = facts.several_lights},
-                                           *frame.volume_),
-                    frame.bounce_);
+        made =
+            keep(bounce::Bounce::create(device,
+                                        {.bounces = settings.bounces,
+                                         .cones = settings.cones,
+                                         .rays = settings.gatherer == Gatherer::cones ? 0 : *settings.rays},
+                                        {.emission = emission,
+                                         .environment = environment,
+                                         .sky = sky_lights,
+                                         .several_lights = facts.several_lights},
+                                        *frame.volume_),
+                 frame.bounce_);
     }
     if (made && plan.needs("cones")) {
         made = keep(cones::Irradiance::create(device, settings.cones, gather_needs, settings.size),
                     frame.irradiance_);
     }
-    if (made && plan.needs("cones.rays"))
-        made = keep(cones::DenseGather::create(device, settings.rays, gather_needs, settings.size),
-                    frame.dense_);
+    if (made && plan.needs("cones.rays")) {
+        made = keep(cones::Rays::create(
+                        device, {.count = *settings.rays, .smoothed = settings.gatherer == Gatherer::rays},
+                        gather_needs, settings.size),
+                    frame.rays_);
+    }
     if (made && plan.needs("cones.ao")) {
         made = keep(cones::Irradiance::create(device, settings.cones,
                                               {.anisotropic = gather_needs.anisotropic,
@@ -102,15 +109,23 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& asked, const Pl
                                               settings.size),
                     frame.ao_);
     }
+    const bool gathers = frame.irradiance_ || frame.rays_;
     const bool specular = plan.needs("cones.specular");
+    if (made && gathers) {
+        frame.cones_ = cones::distribute(settings.cones);
+        made = device.create_sampler({.mip = rhi::FilterMode::linear}).map([&](rhi::Sampler sampler) {
+            frame.volume_sampler_ = std::move(sampler);
+        });
+    }
     if (made && specular)
         made = keep(cones::Specular::create(device, gather_needs, settings.size), frame.specular_);
     if (made) {
         lighting::Needs needs = lighting::blend_needs_of(geometry);
         needs.lights = plan.needs("shadow");
-        needs.indirect = plan.needs("cones");
+        needs.indirect = gathers;
         needs.specular = specular;
         needs.sky = frame.sky_pixels_;
+        needs.sky_in_parts = frame.sky_pixels_ && frame.sky_->parts() > 1;
         needs.emission = gbuffer_needs.emission;
         needs.layers = settings.wants(Layer::direct) || settings.wants(Layer::indirect);
         needs.blend = frame.blend_ = plan.needs("blend");
@@ -146,22 +161,23 @@ void Frame::record(rhi::Commands& commands, const Inputs& inputs) {
         if (const std::optional<float> side = settings_.voxels.grid_size)
             grid = voxels::grid_around(inputs.camera.position, *side, settings_.voxels.resolution);
         volume_->voxelize(commands, inputs.geometry, facts_.highest_emission, grid);
-        volume_->inject(commands, lights && irradiance_ ? &*lights : nullptr);
+        volume_->inject(commands, lights && (irradiance_ || rays_) ? &*lights : nullptr);
         source = {.volume = volume_->view(), .environment = inputs.environment_radiance, .sky = sky_map};
         if (emitters_) source->emitters = emitters_->record(commands, *volume_);
         if (bounce_) source->volume = bounce_->record(commands, *volume_, *source);
-        if (dense_)
-            irradiance = dense_->record(commands, gbuffer, *source);
-        else if (irradiance_)
-            irradiance = irradiance_->record(commands, gbuffer, *source);
+        if (irradiance_) irradiance = irradiance_->record(commands, gbuffer, *source);
+        if (rays_) {
+            cones::Source seen = *source;
+            if (settings_.gatherer == Gatherer::floor) seen.emitters.reset();
+            irradiance = rays_->record(commands, gbuffer, seen);
+        }
         source->occlusion_radius = settings_.ao_radius;
         if (ao_) ao = ao_->record(commands, gbuffer, *source);
     }
 
     std::optional<cones::Gather> gather;
     if (irradiance && (blend_ || specular_)) {
-        gather = cones::make_gather(commands, irradiance_->plain_distribution(), *source,
-                                    irradiance_->volume_sampler());
+        gather = cones::make_gather(commands, cones_, *source, volume_sampler_);
     }
     std::optional<rhi::View<rhi::Dimension::d2>> specular;
     if (specular_ && gather) specular = specular_->record(commands, gbuffer, *gather, *irradiance);

@@ -8,6 +8,7 @@
 #include "scene/gpu_scene.hpp"
 #include "techniques/bounce/bounce.hpp"
 #include "techniques/cones/cones.hpp"
+#include "techniques/cones/rays.hpp"
 #include "techniques/cones/specular.hpp"
 #include "techniques/frame/layers.hpp"
 #include "techniques/frame/plan.hpp"
@@ -61,8 +62,10 @@ class Frame {
     std::optional<cones::Emitters> emitters_;
     std::optional<bounce::Bounce> bounce_;
     std::optional<cones::Irradiance> irradiance_;
-    std::optional<cones::DenseGather> dense_;  ///< in place of irradiance_'s
+    std::optional<cones::Rays> rays_;  ///< in place of irradiance_
     std::optional<cones::Specular> specular_;
+    cones::Distribution cones_;    ///< of blended surfaces
+    rhi::Sampler volume_sampler_;  ///< … and of specular cones
     std::optional<cones::Irradiance> ao_;
     std::optional<lighting::Lighting> lighting_;
     std::optional<Layers> layers_;

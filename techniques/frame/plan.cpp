@@ -35,6 +35,7 @@ SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
 Settings resolve(Settings settings, const SceneFacts& facts) {
     settings.voxels.range =
         settings.range.value_or(facts.wide_range() ? voxels::Range::fixed : voxels::Range::ldr);
+    settings.rays = settings.rays.value_or(settings.gatherer == Gatherer::floor ? 256 : 16);
     settings.post.exposure =
         settings.exposure.value_or(facts.sky ? daylight_exposure : settings.post.exposure);
     return settings;
@@ -98,13 +99,12 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
     decide("voxels.bounce", gi && (facts.emission || facts.environment || settings.bounces > 1),
            "voxels gather light from each other",
            gi ? "all light is that of analytic lights, reflected once by injection" : no_gi);
-    decide("cones", gi, fmt::format("{} cones a pixel", settings.cones.count), no_gi);
-    // A measurement in place of the cones' pass: not for a full plan, which shows the same picture.
-    if (gi && settings.gatherer == Gatherer::rays) {
-        plan.items.push_back(
-            {"cones.rays", true, fmt::format("{} rays a pixel in place of cones", settings.rays)});
-    }
-    decide("cones.emitters", gi && facts.emission, "cones are sent to small emitters one by one",
+    const bool by_cones = settings.gatherer == Gatherer::cones;
+    decide("cones", gi && by_cones, fmt::format("{} cones a pixel", settings.cones.count),
+           by_cones ? no_gi : "rays gather in their place", by_cones);
+    // What is asked for in place of cones: not for a full plan, which shows the same picture.
+    if (!by_cones) decide("cones.rays", gi, fmt::format("{} rays a pixel", settings.rays.value_or(0)), no_gi);
+    decide("cones.emitters", gi && facts.emission, "small emitters are lit by one by one",
            gi ? "no material emits" : no_gi);
     decide("cones.specular", gi && facts.specular, "materials have a specular lobe",
            !gi                          ? no_gi

@@ -9,7 +9,7 @@
 
 #include "rhi/work.hpp"
 #include "techniques/cones/cones.hpp"
-#include "techniques/cones/dense_gather.hpp"
+#include "techniques/cones/rays.hpp"
 #include "techniques/post/post.hpp"
 #include "techniques/shadow/shadow.hpp"
 #include "techniques/sky/sky.hpp"
@@ -38,8 +38,9 @@ std::optional<Layer> layer_from_string(std::string_view name);
 
 enum class PlanMode : uint8_t { automatic, full };
 
-/// What gathers the diffuse indirect light of visible surfaces: cones, or, to measure what cones lose, many rays.
-enum class Gatherer : uint8_t { cones, rays };
+/// What gathers the diffuse indirect light of visible surfaces: cones; rays through the finest voxels; or, to measure what
+/// those lose, many such rays, for each pixel by itself and with no treatment of emitters.
+enum class Gatherer : uint8_t { cones, rays, floor };
 
 /// Stops at which a white wall in sunlight is about white.
 inline constexpr float daylight_exposure = -5;
@@ -55,7 +56,8 @@ struct Settings {
     std::optional<voxels::Range> range = {};  ///< voxels.range; none: what the scene's light needs
     cones::Settings cones = {};
     Gatherer gatherer = Gatherer::cones;
-    uint32_t rays = 256;  ///< a pixel, 1 to cones::max_rays, where they gather
+    /// A pixel, 1 to cones::max_rays, where they gather; none: 16, or 256 of the floor.
+    std::optional<uint32_t> rays = {};
     /// Metres, above 0, where occlusion counts half; none: a tenth of the grid's side.
     std::optional<float> ao_radius = {};
     shadow::Settings shadow = {};

@@ -381,7 +381,8 @@ View Volume::view() const {
             .radiance_unit = 1 / injected_.radiance_scale,
             .emission_unit = emission_unit_ / stored_unit(settings_.range),
             .nodes = nodes(),
-            .octree_levels = octree_levels()};
+            .octree_levels = octree_levels(),
+            .block_marks = lookup().block_marks};
 }
 
 }  // namespace lumo::voxels

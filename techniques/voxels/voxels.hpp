@@ -75,6 +75,9 @@ struct View {
     /// Of the octree that both lights are bricks of; of a dense volume, one texel that nothing reads.
     rhi::Sampled<rhi::Dimension::d3, rhi::TexelKind::uint> nodes;
     int32_t octree_levels = 0;  ///< log2 of the resolution; 0: a dense volume
+    /// Of a dense volume, a uint32_t for each block of 4 x 4 x 4 voxels, x fastest, not 0 where it holds something; of an
+    /// octree 4 bytes that nothing reads.
+    rhi::StorageBuffer block_marks;
 };
 
 class Volume {

@@ -72,16 +72,20 @@ SettingOptions add_technique_settings(CLI::App& app, Options& options) {
         "--rotate-cones", "on|off", "on",
         "each of 4 x 4 pixels has narrower cones of its own, and takes the mean over those of its surface",
         one_of<bool>(&frame.cones.turned, {{"on", true}, {"off", false}}));
-    setting("--gather", "cones|rays", "cones",
-            "what gathers the diffuse light of visible surfaces; rays: many through the finest voxels, to "
-            "measure "
-            "what cones lose (the floor of their error)",
-            one_of<frame::Gatherer>(&frame.gatherer,
-                                    {{"cones", frame::Gatherer::cones}, {"rays", frame::Gatherer::rays}}));
+    setting("--gather", "cones|rays|floor", "cones",
+            "what gathers the diffuse light of visible surfaces; rays: through the finest voxels; floor: "
+            "many of them, "
+            "for each pixel by itself, all emission too, to measure what cones and rays lose",
+            one_of<frame::Gatherer>(&frame.gatherer, {{"cones", frame::Gatherer::cones},
+                                                      {"rays", frame::Gatherer::rays},
+                                                      {"floor", frame::Gatherer::floor}}));
     setting(
-        "--rays", "N", fmt::to_string(frame.rays),
-        fmt::format("a pixel, of --gather rays, 1 to {}", cones::max_rays),
+        "--rays", "N|auto", "auto",
+        fmt::format("a pixel, of --gather rays and floor, 1 to {}; auto: 16, or 256 of the floor",
+                    cones::max_rays),
         [&](const std::string& text) -> Result<void> {
+            frame.rays.reset();
+            if (text == "auto") return {};
             return parse_integer(text, 1, cones::max_rays).map([&](uint32_t count) { frame.rays = count; });
         });
     setting("--ao-radius", "METRES|auto", "auto",

@@ -113,8 +113,8 @@ Result<std::vector<Configuration>> configurations_of(const Options& options) {
 
 Result<Configuration> floor_of(const Configuration& configuration, const Options& standard) {
     // Rays neither are cones nor read mips.
-    std::vector<SettingValue> values{{"gather", "rays"}};
-    for (const char* name : {"cones", "apertures", "rotate-cones", "mips"})
+    std::vector<SettingValue> values{{"gather", "floor"}};
+    for (const char* name : {"cones", "apertures", "rotate-cones", "mips", "rays"})
         values.emplace_back(name, value_of(standard, name));
     return with_settings(configuration.options, values).map([](Options options) {
         return Configuration{.options = std::move(options), .label = "floor"};

@@ -1,5 +1,5 @@
 // Many rays through the finest voxels, against closed forms.
-#include "techniques/cones/dense_gather.hpp"
+#include "techniques/cones/rays.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -17,20 +17,20 @@ namespace {
 
 using namespace testing_support;
 
-struct DenseGatherTest : DeviceTest {
+struct RaysTest : DeviceTest {
     /// Its irradiance, then its depth.
     std::vector<scene::ImageF> render(const scene::Scene& scene, frame::Settings settings) {
-        settings.gatherer = frame::Gatherer::rays;
+        settings.gatherer = frame::Gatherer::floor;
         settings.diffuse_materials = true;
         settings.layers = {frame::Layer::irradiance, frame::Layer::depth};
         const auto rendered = must(frame::render(device(), scene, scene::default_camera(scene), settings));
         return {rendered.layers[0].linear, rendered.layers[1].linear};
     }
 };
-INSTANTIATE_TEST_SUITE_P(Accuracy, DenseGatherTest, both_apis, api_name);
+INSTANTIATE_TEST_SUITE_P(Accuracy, RaysTest, both_apis, api_name);
 
 /// Of a convex body nothing hides the environment, and no ray meets the voxels of the surface that it leaves.
-TEST_P(DenseGatherTest, ConvexBodyReceivesTheWholeEnvironment) {
+TEST_P(RaysTest, ConvexBodyReceivesTheWholeEnvironment) {
     const scene::Scene scene = value_of(scene::make_builtin("furnace"));
     for (const uint32_t resolution : {16u, 64u}) {
         frame::Settings settings{.size = {32, 24}, .rays = 33};
@@ -51,7 +51,7 @@ TEST_P(DenseGatherTest, ConvexBodyReceivesTheWholeEnvironment) {
 }
 
 /// In a closed room whose walls glow alike every ray ends at a wall: more rays than one dispatch has, in either storage.
-TEST_P(DenseGatherTest, ClosedRoomThatGlowsGivesPiTimesItsRadiance) {
+TEST_P(RaysTest, ClosedRoomThatGlowsGivesPiTimesItsRadiance) {
     constexpr glm::vec3 radiance{2, 0.5f, 8};
     scene::Scene scene;
     add(scene, reversed(scene::builtin::box({-1, -1, -1}, {1, 1, 1})), diffuse(glm::vec3(0), radiance));
@@ -70,7 +70,7 @@ TEST_P(DenseGatherTest, ClosedRoomThatGlowsGivesPiTimesItsRadiance) {
 }
 
 /// A plane in the sun does not see itself, however it lies in the grid; not a ray of it.
-TEST_P(DenseGatherTest, LitPlaneSeesNothingOfItself) {
+TEST_P(RaysTest, LitPlaneSeesNothingOfItself) {
     for (const float angle : {0.0f, 0.3f, 0.5f, 0.785f}) {
         scene::Scene scene;
         add(scene, scene::builtin::parallelogram({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}), diffuse(glm::vec3(0.8f)),
@@ -94,7 +94,7 @@ double square_above(double a, double h) {
 /// A plate under a sunlit square, at its middle: between the closed forms for the square as it is, and for one that is as
 /// near as the faces of voxels may be, from as high as rays start, and half a voxel wider. Beside it, 2 % for what the
 /// shadow map's texels bring.
-TEST_P(DenseGatherTest, ReflectedLightOfALitSquare) {
+TEST_P(RaysTest, ReflectedLightOfALitSquare) {
     constexpr float half = 1, height = 0.75f, albedo = 0.5f;
     constexpr glm::vec3 up{0.9284767f, 0.3713907f, 0};  // past the plate
     scene::Scene scene;
