@@ -6,24 +6,13 @@
 #include <glm/glm.hpp>
 #include <numbers>
 
+#include "reference/atmosphere_phase.hpp"
 #include "reference/sampler.hpp"
 
 namespace lumo::reference {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-
-/// Of a direction in the frame whose z is the vertical at the camera and in whose x-z half plane the sun is.
-glm::dvec3 direction(double zenith_deg, double azimuth_deg) {
-    const double sine = cos_degrees(90 - zenith_deg);
-    return {sine * cos_degrees(azimuth_deg), sine * cos_degrees(azimuth_deg - 90), cos_degrees(zenith_deg)};
-}
-
-double phase_times_scattering(const AtmosphereOptics& optics, const Densities& d, double nu, size_t i) {
-    const Atmosphere& a = optics.atmosphere();
-    return (a.rayleigh ? a.rayleigh->scattering_per_km[i] * d.rayleigh * rayleigh_phase(nu) : 0) +
-           (a.mie ? a.mie->scattering_per_km[i] * d.mie * cornette_shanks_phase(nu, a.mie->g) : 0);
-}
 
 /// Adds the real roots of a x² + 2 b x + c = 0 that lie within (0, length).
 void add_roots(double a, double b, double c, double length, std::vector<double>& roots) {
@@ -98,30 +87,6 @@ class Random {
     }
     uint64_t state_;
 };
-
-glm::dvec3 turned(glm::dvec3 axis, double cosine, double u) {
-    const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0)), angle = 2 * pi * u;
-    return glm::normalize(frame_about(axis) *
-                          glm::dvec3(sine * std::cos(angle), sine * std::sin(angle), cosine));
-}
-
-double henyey_greenstein(double nu, double g) {
-    const double base = 1 + g * g - 2 * g * nu;
-    return (1 - g * g) / (4 * pi * base * std::sqrt(base));
-}
-
-double sample_henyey_greenstein(double g, double u) {
-    if (std::abs(g) < 1e-3) return 1 - 2 * u;
-    const double ratio = (1 - g * g) / (1 - g + 2 * g * u);
-    return std::clamp((1 + g * g - ratio * ratio) / (2 * g), -1.0, 1.0);
-}
-
-/// The inverse of (nu³ + 3 nu + 4) / 8, by Cardano's formula.
-double sample_rayleigh(double u) {
-    const double z = 4 * u - 2;
-    const double root = std::cbrt(z + std::sqrt(z * z + 1));
-    return std::clamp(root - 1 / root, -1.0, 1.0);
-}
 
 /// About how much of the sun reaches a point of the air, 0 to 1: a coarse table of its mean over the wavelengths.
 class SunTable {
@@ -395,8 +360,8 @@ Estimate mean_of(const AtmosphereOptics& optics, const PathSettings& settings, c
 Spectrum radiance_order1(const AtmosphereOptics& optics, const SkyView& view, double tolerance) {
     const Atmosphere& a = optics.atmosphere();
     Spectrum sum(optics.wavelengths(), 0);
-    const glm::dvec3 along = direction(view.view_zenith_deg, view.azimuth_deg);
-    const glm::dvec3 to_sun = direction(view.sun_zenith_deg, 0);
+    const glm::dvec3 along = sky_direction(view.view_zenith_deg, view.azimuth_deg);
+    const glm::dvec3 to_sun = sky_direction(view.sun_zenith_deg, 0);
     const auto path = optics.air_path({.h = view.altitude_km, .mu = along.z});
     if (!path) return sum;
     const double length = std::min(path->length, view.distance_km - path->entry);
@@ -432,8 +397,8 @@ Spectrum radiance_order1(const AtmosphereOptics& optics, const SkyView& view, do
 }
 
 Estimate radiance(const AtmosphereOptics& optics, const SkyView& view, const PathSettings& settings) {
-    PathIntegrator paths(optics, direction(view.sun_zenith_deg, 0), settings);
-    const glm::dvec3 along = direction(view.view_zenith_deg, view.azimuth_deg);
+    PathIntegrator paths(optics, sky_direction(view.sun_zenith_deg, 0), settings);
+    const glm::dvec3 along = sky_direction(view.view_zenith_deg, view.azimuth_deg);
     return mean_of(optics, settings, [&](Random& random, Spectrum& sum) {
         paths.trace(view.altitude_km, along, view.distance_km, 1, random, sum);
     });
@@ -442,7 +407,7 @@ Estimate radiance(const AtmosphereOptics& optics, const SkyView& view, const Pat
 /// Directions half by the cosine, half by the aerosols' lobe about the sun, weighted by the balance of both
 /// (Veach 1997, section 9.2.2).
 Estimate sky_irradiance(const AtmosphereOptics& optics, const SkyView& view, const PathSettings& settings) {
-    const glm::dvec3 to_sun = direction(view.sun_zenith_deg, 0);
+    const glm::dvec3 to_sun = sky_direction(view.sun_zenith_deg, 0);
     PathIntegrator paths(optics, to_sun, settings);
     const double g = optics.atmosphere().mie ? optics.atmosphere().mie->g : 0;
     return mean_of(optics, settings, [&](Random& random, Spectrum& sum) {

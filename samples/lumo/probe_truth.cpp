@@ -2,8 +2,10 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <thread>
 
+#include "reference/atmosphere_paths.hpp"
 #include "rhi/disk_cache.hpp"
 #include "samples/lumo/probe_sky.hpp"
 
@@ -14,6 +16,7 @@ using atmosphere::Quantity;
 using atmosphere::Question;
 using reference::AtmosphereOptics;
 using reference::Estimate;
+using reference::GuidedPaths;
 using reference::PathSettings;
 using reference::RayPoint;
 using reference::SkyView;
@@ -56,7 +59,14 @@ SkyAnswer sample_until(const SkyTruthSettings& settings, uint64_t seed, Spectrum
     return answer;
 }
 
-SkyAnswer truth_of(const AtmosphereOptics& optics, const Question& question,
+bool is_sampled(const Question& question, const SkyTruthSettings& settings) {
+    const bool scattered =
+        question.quantity == Quantity::radiance || question.quantity == Quantity::inscatter;
+    return question.quantity == Quantity::sky_irradiance || (scattered && settings.last_order > 1);
+}
+
+/// `paths` are there if the answer is sampled.
+SkyAnswer truth_of(const AtmosphereOptics& optics, const GuidedPaths* paths, const Question& question,
                    const SkyTruthSettings& settings) {
     SkyView view{.altitude_km = question.altitude_km,
                  .view_zenith_deg = question.view_zenith_deg,
@@ -72,19 +82,18 @@ SkyAnswer truth_of(const AtmosphereOptics& optics, const Question& question,
         case Quantity::sun_irradiance:
             return {.value = optics.sun_irradiance(from.h, reference::cos_degrees(view.sun_zenith_deg))};
         case Quantity::sky_irradiance:
-            return sample_until(
-                settings, seed_of(question), Spectrum(optics.wavelengths(), 0), 1,
-                [&](const PathSettings& paths) { return reference::sky_irradiance(optics, view, paths); });
         case Quantity::radiance_order1:
-            break;
         case Quantity::radiance:
         case Quantity::inscatter:
-            if (settings.last_order == 1) break;
-            return sample_until(
-                settings, seed_of(question), reference::radiance_order1(optics, view), 2,
-                [&](const PathSettings& paths) { return reference::radiance(optics, view, paths); });
+            break;
     }
-    return {.value = reference::radiance_order1(optics, view)};
+    if (question.quantity == Quantity::sky_irradiance)
+        return sample_until(settings, seed_of(question), Spectrum(optics.wavelengths(), 0), 1,
+                            [&](const PathSettings& some) { return paths->sky_irradiance(view, some); });
+    Spectrum order1 = reference::radiance_order1(optics, view);
+    if (!is_sampled(question, settings)) return {.value = std::move(order1)};
+    return sample_until(settings, seed_of(question), std::move(order1), 2,
+                        [&](const PathSettings& some) { return paths->radiance(view, some); });
 }
 
 }  // namespace
@@ -93,10 +102,13 @@ std::vector<SkyAnswer> sky_truth(const AtmosphereOptics& optics, std::span<const
                                  const SkyTruthSettings& settings,
                                  const std::function<void(size_t)>& answered) {
     std::vector<SkyAnswer> answers(questions.size());
+    std::optional<GuidedPaths> paths;
+    if (std::ranges::any_of(questions, [&](const Question& q) { return is_sampled(q, settings); }))
+        paths.emplace(optics);
     std::atomic<size_t> next = 0, done = 0;
     const auto work = [&](bool tells) {
         for (size_t i = next++; i < questions.size(); i = next++) {
-            answers[i] = truth_of(optics, questions[i], settings);
+            answers[i] = truth_of(optics, paths ? &*paths : nullptr, questions[i], settings);
             ++done;
             if (tells) answered(done);
         }
