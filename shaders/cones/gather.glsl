@@ -173,42 +173,50 @@ float trace_visibility(vec3 from, vec3 to) {
     return max(transmittance - min_visible, 0.0) / (1.0 - min_visible);
 }
 
+// Irradiance on a surface from an emitter, W/m², if nothing stands before it, and where a path to it ends, in grid space.
+struct EmitterLight {
+    vec3 irradiance;
+    vec3 end;
+};
+
+// `position` in grid space; `normal`: the hemisphere's axis, unit length.
+EmitterLight emitter_light(EmitterCell emitter, vec3 position, vec3 normal) {
+    vec3 path = emitter.position_spread.xyz - position;
+    float squared = max(inner(path, path), 1e-6);
+    vec3 direction = path * inversesqrt(squared);
+    float spread = emitter.position_spread.w;
+    float flatness = min(sqrt(inner(emitter.normal.xyz, emitter.normal.xyz)), 1.0);
+    // Of a disk, the mean squared distance from its centre is half the square of its radius.
+    float radius = sqrt(2.0 * spread);
+    // What of it lies above the horizon, times the cosine there, of a sphere.
+    float cosine = inner(normal, direction);
+    float sine = min(radius * inversesqrt(squared), 1.0);
+    if (abs(cosine) < sine) cosine = (cosine + sine) * (cosine + sine) / (4.0 * sine);
+    // The part of its area that it shows, foreshortened: the mean of max(0, u), u the cosine between surface and
+    // path, taken as uniform about its mean and as wide as of a sphere's cap, seen from its axis or from the side.
+    // Where a voxel's surface lies in it is not known: what is not clearly in front of a plane is in it.
+    float front = -inner(emitter.normal.xyz, path);
+    float mean = front * inversesqrt(squared);
+    float along = min(mean * mean / max(flatness * flatness, 1e-6), 1.0);
+    float side = flatness > 0.5 ? 4.0 * flatness * (1.0 - flatness) : 1.0;
+    float width = sqrt(mix(side, (1.0 - flatness) * (1.0 - flatness), along));
+    float shown = abs(mean) < width ? (mean + width) * (mean + width) / (4.0 * width)
+                                    : max(mean, 0.0) * smoothstep(0.5, 1.5, front);
+    float form = shown * max(cosine, 0.0) / max(squared + 2.0 * spread * flatness, spread);
+    // Its mean position lies under a bent surface, by this much if that is a sphere's cap. To where a surface seen whole
+    // is near, that is toward the receiver.
+    float depth = radius * sqrt((1.0 - flatness) / (2.0 + 2.0 * flatness));
+    vec3 outward = unit(emitter.normal.xyz - (1.0 - flatness) * direction);
+    return EmitterLight(emitter.flux.rgb * form, emitter.position_spread.xyz + (lift + depth) * outward);
+}
+
 // Irradiance on a surface from the emitters that are lit by one by one, W/m². As gather_irradiance.
 vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
     vec3 sum = vec3(0);
     for (int i = 0; i < emitters.count; ++i) {
-        EmitterCell emitter = emitters.data[i];
-        vec3 path = emitter.position_spread.xyz - position;
-        float squared = max(inner(path, path), 1e-6);
-        vec3 direction = path * inversesqrt(squared);
-        float spread = emitter.position_spread.w;
-        float flatness = min(sqrt(inner(emitter.normal.xyz, emitter.normal.xyz)), 1.0);
-        // Of a disk, the mean squared distance from its centre is half the square of its radius.
-        float radius = sqrt(2.0 * spread);
-        // What of it lies above the horizon, times the cosine there, of a sphere.
-        float cosine = inner(normal, direction);
-        float sine = min(radius * inversesqrt(squared), 1.0);
-        if (abs(cosine) < sine) cosine = (cosine + sine) * (cosine + sine) / (4.0 * sine);
-        // The part of its area that it shows, foreshortened: the mean of max(0, u), u the cosine between surface and
-        // path, taken as uniform about its mean and as wide as of a sphere's cap, seen from its axis or from the side.
-        // Where a voxel's surface lies in it is not known: what is not clearly in front of a plane is in it.
-        float front = -inner(emitter.normal.xyz, path);
-        float mean = front * inversesqrt(squared);
-        float along = min(mean * mean / max(flatness * flatness, 1e-6), 1.0);
-        float side = flatness > 0.5 ? 4.0 * flatness * (1.0 - flatness) : 1.0;
-        float width = sqrt(mix(side, (1.0 - flatness) * (1.0 - flatness), along));
-        float shown = abs(mean) < width ? (mean + width) * (mean + width) / (4.0 * width)
-                                        : max(mean, 0.0) * smoothstep(0.5, 1.5, front);
-        float form = shown * max(cosine, 0.0) / max(squared + 2.0 * spread * flatness, spread);
-        if (form > 0.0) {
-            // Its mean position lies under a bent surface, by this much if that is a sphere's cap. To where a surface
-            // seen whole is near, that is toward the receiver.
-            float depth = radius * sqrt((1.0 - flatness) / (2.0 + 2.0 * flatness));
-            vec3 outward = unit(emitter.normal.xyz - (1.0 - flatness) * direction);
-            sum += emitter.flux.rgb * form *
-                   trace_visibility(position + lift * geometric_normal,
-                                    emitter.position_spread.xyz + (lift + depth) * outward);
-        }
+        EmitterLight light = emitter_light(emitters.data[i], position, normal);
+        if (light.irradiance != vec3(0))
+            sum += light.irradiance * trace_visibility(position + lift * geometric_normal, light.end);
     }
     return sum;
 }

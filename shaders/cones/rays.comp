@@ -41,10 +41,10 @@ void main() {
         geometric_normal = unit(geometric_normal);
         vec3 normal = unit(texelFetch(normal_roughness, pixel, 0).xyz);
         // What the eye sees is free toward the eye.
-        vec3 start = ray_start(position, geometric_normal, direction_to_eye(world), 1.0);
+        vec3 start = ray_start(position, geometric_normal, direction_to_eye(world));
         gathered = rays_irradiance(start, geometric_normal, normal, turn_of(uvec2(pixel)), push.first_ray, push.end_ray,
                                    push.rays);
-        if (gather_emission && push.first_ray == 0) gathered += emitter_irradiance(position, geometric_normal, normal);
+        if (push.first_ray == 0) gathered += emitter_irradiance_by_rays(position, start, normal);
     }
     if (push.first_ray > 0) gathered += imageLoad(irradiance, pixel).rgb;
     imageStore(irradiance, pixel, vec4(gathered, 1));

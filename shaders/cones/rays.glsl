@@ -1,11 +1,8 @@
 // Irradiance by rays through the finest voxels, from one to the next: each is opaque, or as translucent as its opacity and
 // the path in it say, and of one radiance. Include once per program, after cones/gather.glsl, whose block, volumes and
 // emitters it reads. The includer defines BLOCK_MARKS, a binding.
+#include "voxels/block_marks.glsl"
 #include "voxels/walk.glsl"
-
-// Where a dense volume holds something: not 0, a word for each block of 4 x 4 x 4 voxels, x fastest. Of an octree nothing
-// is read: its nodes are such blocks.
-layout(binding = BLOCK_MARKS, std430) readonly buffer BlockMarks { uint data[]; } block_marks;
 
 const int ray_block_log2 = 2;
 // A ray ends when less than this part of the light behind gets through.
@@ -25,75 +22,123 @@ float opacity_of(ivec3 voxel) {
     return texel.x >= 0 ? texelFetch(voxel_radiance, texel, 0).a : 0.0;
 }
 
-// The walk through a block from where a ray enters it, after this length.
-Walk enter_block(vec3 origin, vec3 direction, ivec3 block, float entered) {
-    precise vec3 place = origin + direction * entered;
-    ivec3 first = block << ray_block_log2;
-    return start_walk(origin, direction, clamp(ivec3(floor(place)), first, first + (1 << ray_block_log2) - 1));
+// A ray on its way from voxel to voxel, and over blocks that hold nothing in one step. In grid space.
+struct RayWalk {
+    vec3 origin;
+    vec3 direction;
+    float entered;  // where along it it entered the voxel that it is in, in voxels
+    Walk blocks;    // lengths in blocks
+    Walk voxels;
+    bool in_block;  // `voxels` is in the block
+};
+
+const float ray_block_side = float(1 << ray_block_log2);
+
+RayWalk start_ray(vec3 origin, vec3 direction) {
+    Walk blocks = start_walk(origin / ray_block_side, direction, ivec3(floor(origin)) >> ray_block_log2);
+    return RayWalk(origin, direction, 0.0, blocks, blocks, false);
 }
 
-// Radiance along a ray, W/m²/sr, with this part of what emits. In grid space.
-vec3 trace_ray(vec3 origin, vec3 direction, float emitted_part) {
-    const float block_side = float(1 << ray_block_log2);
+// On from the block that it is in.
+void leave_block(inout RayWalk ray) {
+    ray.entered = leaves_voxel(ray.blocks) * ray_block_side;
+    step_walk(ray.blocks);
+    ray.in_block = false;
+}
+
+// On from the voxel that it is in.
+void leave_voxel(inout RayWalk ray) {
+    ray.entered = leaves_voxel(ray.voxels);
+    step_walk(ray.voxels);
+    if (ray.voxels.voxel >> ray_block_log2 != ray.blocks.voxel) leave_block(ray);
+}
+
+// On to the next voxel that holds something, from the one that it is in; to the end of the grid or to `end`, in voxels,
+// where there is none. Returns its opacity, or 0.
+float find_voxel(inout RayWalk ray, float end) {
     int blocks = int(gather.resolution) >> ray_block_log2;
+    float opacity = 0.0;
+    bool on = ray.entered < end && inside_grid(ray.blocks.voxel, blocks);
+    while (on && opacity == 0.0) {
+        if (!ray.in_block) {
+            bool occupied = block_occupied(ray.blocks.voxel);
+            while (on && !occupied) {
+                leave_block(ray);
+                on = ray.entered < end && inside_grid(ray.blocks.voxel, blocks);
+                occupied = on && block_occupied(ray.blocks.voxel);
+            }
+            precise vec3 place = ray.origin + ray.direction * ray.entered;
+            ivec3 first = ray.blocks.voxel << ray_block_log2;
+            ivec3 last = first + (1 << ray_block_log2) - 1;
+            ray.voxels = start_walk(ray.origin, ray.direction, clamp(ivec3(floor(place)), first, last));
+            ray.in_block = true;
+        }
+        while (on && opacity == 0.0 && ray.in_block) {
+            opacity = opacity_of(ray.voxels.voxel);
+            if (opacity == 0.0) leave_voxel(ray);
+        }
+        on = on && ray.entered < end && inside_grid(ray.blocks.voxel, blocks);
+    }
+    return on ? opacity : 0.0;
+}
+
+// The part of what comes from behind that the voxel that the ray is in stops. Opacity is per voxel of path; what is opaque
+// is so however short the path.
+float stopped_in_voxel(RayWalk ray, float opacity) {
+    float path = max(leaves_voxel(ray.voxels) - ray.entered, 0.0);
+    return opacity < 1.0 ? 1.0 - pow(1.0 - opacity, path) : 1.0;
+}
+
+// Radiance along a ray, W/m²/sr, with this part of what emits.
+vec3 trace_ray(vec3 origin, vec3 direction, float emitted_part) {
+    const float no_end = 1e30;
     vec3 gathered = vec3(0);
     float transmittance = 1.0;
-    float entered = 0.0;
-    // Its lengths are in blocks.
-    Walk coarse = start_walk(origin / block_side, direction, ivec3(floor(origin)) >> ray_block_log2);
-    bool inside = inside_grid(coarse.voxel, blocks);
-    while (transmittance >= min_ray_transmittance && inside) {
-        bool occupied = block_occupied(coarse.voxel);
-        while (!occupied && inside) {
-            entered = leaves_voxel(coarse) * block_side;
-            step_walk(coarse);
-            inside = inside_grid(coarse.voxel, blocks);
-            occupied = inside && block_occupied(coarse.voxel);
+    RayWalk ray = start_ray(origin, direction);
+    float opacity;
+    do {
+        opacity = find_voxel(ray, no_end);
+        if (opacity > 0.0) {
+            ivec3 texel = texel_of(ray.voxels.voxel);
+            vec3 leaving = vec3(0);
+            if (gather_reflected) leaving = texelFetch(voxel_radiance, texel, 0).rgb * gather.radiance_unit;
+            if (gather_emission)
+                leaving += emitted_part * texelFetch(voxel_emission, texel, 0).rgb * gather.emission_unit;
+            float stopped = stopped_in_voxel(ray, opacity);
+            gathered += transmittance * leaving * (stopped / opacity);
+            transmittance *= 1.0 - stopped;
+            leave_voxel(ray);
         }
-        if (inside) {
-            Walk fine = enter_block(origin, direction, coarse.voxel, entered);
-            bool in_block = true;
-            do {
-                float opacity = opacity_of(fine.voxel);
-                while (opacity == 0.0 && in_block) {
-                    entered = leaves_voxel(fine);
-                    step_walk(fine);
-                    in_block = fine.voxel >> ray_block_log2 == coarse.voxel;
-                    opacity = in_block ? opacity_of(fine.voxel) : 0.0;
-                }
-                if (opacity > 0.0) {
-                    ivec3 texel = texel_of(fine.voxel);
-                    vec3 leaving = vec3(0);
-                    if (gather_reflected) leaving = texelFetch(voxel_radiance, texel, 0).rgb * gather.radiance_unit;
-                    if (gather_emission)
-                        leaving += emitted_part * texelFetch(voxel_emission, texel, 0).rgb * gather.emission_unit;
-                    // Opacity is per voxel of path; what is opaque is so however short the path.
-                    float leaves = leaves_voxel(fine);
-                    float stopped = opacity < 1.0 ? 1.0 - pow(1.0 - opacity, max(leaves - entered, 0.0)) : 1.0;
-                    gathered += transmittance * leaving * (stopped / opacity);
-                    transmittance *= 1.0 - stopped;
-                    entered = leaves;
-                    step_walk(fine);
-                    in_block = fine.voxel >> ray_block_log2 == coarse.voxel;
-                }
-            } while (in_block && transmittance >= min_ray_transmittance);
-            entered = leaves_voxel(coarse) * block_side;
-            step_walk(coarse);
-            inside = inside_grid(coarse.voxel, blocks);
-        }
-    }
+    } while (opacity > 0.0 && transmittance >= min_ray_transmittance);
     if (gather_environment && transmittance >= min_ray_transmittance)
         gathered += transmittance * environment_in_cone(direction, 0.0);
     return gathered;
 }
 
-// Where the rays of a surface start: above every voxel that it may lie in, `reach` times as far from it as a voxel that
-// its plane meets, at most, reaches; and where another surface has its voxels there, on along `free`, which leads out
-// of them.
-vec3 ray_start(vec3 position, vec3 geometric_normal, vec3 free, float reach) {
+// The part of the light between two points that nothing stops.
+float ray_visibility(vec3 from, vec3 to) {
+    vec3 path = to - from;
+    float length = sqrt(inner(path, path));
+    float transmittance = 1.0;
+    RayWalk ray = start_ray(from, path / max(length, 1e-6));
+    float opacity;
+    do {
+        opacity = find_voxel(ray, length);
+        if (opacity > 0.0) {
+            transmittance *= 1.0 - stopped_in_voxel(ray, opacity);
+            leave_voxel(ray);
+        }
+    } while (opacity > 0.0 && transmittance >= min_ray_transmittance);
+    return transmittance;
+}
+
+// Where the rays of a surface start: above every voxel that its plane meets, and where another surface has its voxels
+// there, on along `free`, which leads out of them.
+vec3 ray_start(vec3 position, vec3 geometric_normal, vec3 free) {
+    // As far as such a voxel reaches from the plane.
     vec3 extent = abs(geometric_normal);
     // A little more, for what lies on the faces of voxels.
-    vec3 origin = position + geometric_normal * (reach * (extent.x + extent.y + extent.z) + 1e-2);
+    vec3 origin = position + geometric_normal * (extent.x + extent.y + extent.z + 1e-2);
     const int most_steps = 4;
     Walk walk = start_walk(origin, free, ivec3(floor(origin)));
     float way = 0.0;
@@ -103,6 +148,16 @@ vec3 ray_start(vec3 position, vec3 geometric_normal, vec3 free, float reach) {
         step_walk(walk);
     }
     return origin + free * way;
+}
+
+// Irradiance from the emitters that are lit by one by one, W/m². `start`: where the surface's rays start.
+vec3 emitter_irradiance_by_rays(vec3 position, vec3 start, vec3 normal) {
+    vec3 sum = vec3(0);
+    for (int i = 0; gather_emission && i < emitters.count; ++i) {
+        EmitterLight light = emitter_light(emitters.data[i], position, normal);
+        if (light.irradiance != vec3(0)) sum += light.irradiance * ray_visibility(start, light.end);
+    }
+    return sum;
 }
 
 // The part of the irradiance, W/m², that rays `first` to before `end` of `count` have. The rays of the 16 places of a

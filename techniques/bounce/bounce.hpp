@@ -7,6 +7,7 @@
 
 #include "rhi/rhi.hpp"
 #include "shaders/bounce/bounce.hpp"
+#include "shaders/bounce/rays.hpp"
 #include "techniques/cones/gather.hpp"
 #include "techniques/voxels/voxels.hpp"
 
@@ -56,8 +57,19 @@ class Bounce {
     /// Written in turn; the second only for two gathers or more.
     std::array<voxels::LightVolume, 2> radiance_;
     rhi::Sampler volume_sampler_;
-    rhi::ComputePipeline<shaders::bounce::bounce> first_;  ///< leaves reflected light out
-    rhi::ComputePipeline<shaders::bounce::bounce> next_;
+    template <rhi::Program P>
+    struct Pipelines {
+        rhi::ComputePipeline<P> first;  ///< leaves reflected light out
+        rhi::ComputePipeline<P> next;
+    };
+    template <rhi::Program P>
+    Result<void> create_pipelines(rhi::Device& device, const voxels::Volume& volume, Pipelines<P>& pipelines);
+    template <rhi::Program P>
+    void gather(rhi::Pass& pass, const voxels::Volume& volume, const Pipelines<P>& pipelines, bool first,
+                const cones::Gather& source, const voxels::LightVolume& target) const;
+
+    Pipelines<shaders::bounce::bounce> by_cones_;
+    Pipelines<shaders::bounce::rays> by_rays_;
 };
 
 }  // namespace lumo::bounce
