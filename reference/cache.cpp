@@ -17,14 +17,14 @@ rhi::CacheKey key_of(const scene::Scene& scene, const scene::Camera& camera,
                      const PathTracerSettings& settings) {
     // A member more does not compile here: add it, unless, as the number of threads, it changes nothing.
     const auto& [width, height, spp, bounces, seed, diffuse_materials, diffuse_reflectors, pixel_centers_only,
-                 ao_radius, threads, layers] = settings;
+                 air_paths, ao_radius, threads, layers] = settings;
     rhi::KeyBuilder key;
     key.add("path-traced layers").add(sources_version());
     add(key, content_key(scene));
     add(key, content_key(camera));
     key.add(width).add(height).add(spp).add(bounces ? uint64_t(*bounces) + 1 : 0).add(seed);
     key.add(uint64_t(diffuse_materials)).add(uint64_t(diffuse_reflectors)).add(uint64_t(pixel_centers_only));
-    key.add(std::bit_cast<uint32_t>(ao_radius));
+    key.add(std::bit_cast<uint64_t>(air_paths)).add(std::bit_cast<uint32_t>(ao_radius));
     for (const TracedLayer layer : layers) key.add(uint64_t(layer));
     return key.key();
 }

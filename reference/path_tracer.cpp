@@ -17,6 +17,7 @@
 #include "reference/metrics.hpp"
 #include "reference/ray_scene.hpp"
 #include "reference/sampler.hpp"
+#include "reference/seen_sky.hpp"
 #include "reference/surface.hpp"
 
 namespace lumo::reference {
@@ -28,6 +29,12 @@ constexpr std::array<std::string_view, traced_layer_count> layer_names{
 
 constexpr size_t light_layers = size_t(TracedLayer::emission) + 1;
 using LightSums = std::array<glm::dvec3, light_layers>;
+
+/// What a camera's ray brings, without the air before it.
+struct Seen {
+    LightSums light{};
+    std::optional<double> distance = {};  ///< metres to a surface
+};
 
 bool is_light(TracedLayer layer) { return size_t(layer) < light_layers; }
 
@@ -129,7 +136,7 @@ class Tracer {
           emitters_(scene),
           environment_(scene) {}
 
-    LightSums sample(const Ray& ray, const Sampler& sampler) const;
+    Seen sample(const Ray& ray, const Sampler& sampler) const;
     /// Albedo, normal and (in the first channel) depth.
     std::array<glm::dvec3, 3> surface(const Ray& ray, const Lens& lens, uint32_t seed) const;
 
@@ -307,9 +314,9 @@ double Tracer::openness(const Vertex& vertex, const Sampler& sampler) const {
     return 1 - 1 / (1 + distance / double(settings_.ao_radius));
 }
 
-LightSums Tracer::sample(const Ray& ray, const Sampler& sampler) const {
-    LightSums result{};
-    const auto layer = [&](TracedLayer l) -> glm::dvec3& { return result[size_t(l)]; };
+Seen Tracer::sample(const Ray& ray, const Sampler& sampler) const {
+    Seen result;
+    const auto layer = [&](TracedLayer l) -> glm::dvec3& { return result.light[size_t(l)]; };
     const std::optional<Hit> hit = rays_.intersect(ray, Faces::drawn, sampler.word(camera_seed));
     if (!hit) {
         layer(TracedLayer::radiance) = layer(TracedLayer::emission) = environment_.radiance(ray.direction);
@@ -317,6 +324,7 @@ LightSums Tracer::sample(const Ray& ray, const Sampler& sampler) const {
     }
     const Vertex vertex(surface_at(scene_, *hit, ray.direction, settings_.diffuse_materials), ray.direction,
                         0);
+    result.distance = glm::length(vertex.surface.position - ray.origin);
     if (vertex.surface.unlit) {
         layer(TracedLayer::radiance) = layer(TracedLayer::emission) = vertex.surface.base_color;
         return result;
@@ -355,17 +363,79 @@ struct Halves {
     double first_count = 0, second_count = 0;
 };
 
-Halves trace_pixel(const Tracer& tracer, const Lens& lens, const PathTracerSettings& settings, uint32_t x,
-                   uint32_t y) {
+/// Puts the air before what a pixel shows, and the sky behind it.
+class PixelAir {
+  public:
+    PixelAir(const SeenSky& sky, uint32_t paths, uint32_t seed) : sky_(sky), paths_{paths, seed} {}
+
+    /// Rays along one direction that end at one place share the air's paths.
+    glm::dvec3 seen(const Seen& surface, glm::dvec3 direction) {
+        const auto known = std::ranges::find_if(known_, [&](const Known& k) {
+            return k.distance == surface.distance && k.direction == direction;
+        });
+        const AirBefore air = known != known_.end() ? known->air : look(surface.distance, direction);
+        return surface.light[size_t(TracedLayer::radiance)] * air.transmittance + air.radiance;
+    }
+
+  private:
+    struct Known {
+        std::optional<double> distance;
+        glm::dvec3 direction;
+        AirBefore air;
+    };
+
+    AirBefore look(std::optional<double> distance, glm::dvec3 direction) {
+        const AirBefore air =
+            distance ? sky_.over(direction, *distance, paths_)
+                     : AirBefore{.radiance = sky_.beyond(direction, paths_), .transmittance = glm::dvec3(0)};
+        paths_.seed += 1'000'003;  // another look is by other paths
+        known_.push_back({distance, direction, air});
+        return air;
+    }
+
+    const SeenSky& sky_;
+    SeenSkyPaths paths_;
+    std::vector<Known> known_;
+};
+
+/// The mean of the sun's disc over a pixel, which may be larger.
+glm::dvec3 disc_in_pixel(const SeenSky& sky, const Lens& lens, uint32_t x, uint32_t y) {
+    constexpr int side = 24;
+    const auto toward = [&](glm::dvec2 at) { return lens.ray(glm::dvec2(x, y) + at).direction; };
+    const glm::dvec3 middle = toward(glm::dvec2(0.5));
+    double reach = 0;
+    for (const glm::dvec2 corner : {glm::dvec2(0, 0), {1, 0}, {0, 1}, {1, 1}})
+        reach = std::max(reach, glm::length(toward(corner) - middle));
+    glm::dvec3 sum(0);
+    if (sky.to_sun_disc(middle) > 2 * reach) return sum;
+    for (int i = 0; i < side * side; ++i)
+        sum += sky.disc(toward((glm::dvec2(i % side, i / side) + 0.5) / double(side)));
+    return sum / double(side * side);
+}
+
+/// `sky` is none where no layer shows it.
+Halves trace_pixel(const Tracer& tracer, const Lens& lens, const PathTracerSettings& settings,
+                   const SeenSky* sky, uint32_t x, uint32_t y) {
     Halves halves;
     const uint32_t pixel = hash(hash(settings.seed, x), y);
+    const glm::dvec3 disc = sky ? disc_in_pixel(*sky, lens, x, y) : glm::dvec3(0);
     const auto trace_half = [&](LightSums& sums, uint32_t count, uint32_t half) {
         const uint32_t stream = hash(pixel, half);
+        // Where every sample looks along its own direction, each has its own paths.
+        const double paths = settings.air_paths * (settings.pixel_centers_only ? count : 1);
+        std::optional<PixelAir> air;
+        if (sky) air.emplace(*sky, std::max(uint32_t(std::lround(paths)), 1u), stream);
         for (uint32_t i = 0; i < count; ++i) {
             const Sampler sampler(stream, i);
             const glm::dvec2 at = settings.pixel_centers_only ? glm::dvec2(0.5) : sampler.pair(camera_jitter);
-            const LightSums values = tracer.sample(lens.ray(glm::dvec2(x, y) + at), sampler);
-            for (size_t l = 0; l < light_layers; ++l) sums[l] += values[l];
+            const Ray ray = lens.ray(glm::dvec2(x, y) + at);
+            Seen seen = tracer.sample(ray, sampler);
+            if (air) {
+                glm::dvec3& radiance = seen.light[size_t(TracedLayer::radiance)];
+                radiance = air->seen(seen, ray.direction);
+                if (!seen.distance) radiance += disc;
+            }
+            for (size_t l = 0; l < light_layers; ++l) sums[l] += seen.light[l];
         }
         for (glm::dvec3& sum : sums) sum /= count;
     };
@@ -448,8 +518,8 @@ class Tiles {
     uint64_t done_ = 0;
 };
 
-void trace_tiles(const Tracer& tracer, const Lens& lens, const PathTracerSettings& settings, Tiles& tiles,
-                 std::vector<Target>& targets) {
+void trace_tiles(const Tracer& tracer, const Lens& lens, const PathTracerSettings& settings,
+                 const SeenSky* sky, Tiles& tiles, std::vector<Target>& targets) {
     const auto wanted = [&](bool light) {
         return std::ranges::any_of(settings.layers, [&](TracedLayer l) { return is_light(l) == light; });
     };
@@ -457,7 +527,7 @@ void trace_tiles(const Tracer& tracer, const Lens& lens, const PathTracerSetting
     while (const auto tile = tiles.next()) {
         for (uint32_t y = tile->y; y < std::min(tile->y + Tiles::side, settings.height); ++y) {
             for (uint32_t x = tile->x; x < std::min(tile->x + Tiles::side, settings.width); ++x) {
-                const Halves halves = light ? trace_pixel(tracer, lens, settings, x, y) : Halves{};
+                const Halves halves = light ? trace_pixel(tracer, lens, settings, sky, x, y) : Halves{};
                 const uint32_t seed = hash(hash(settings.seed, x), y);
                 const auto values = surface ? tracer.surface(lens.ray(glm::dvec2(x, y) + 0.5), lens, seed)
                                             : std::array<glm::dvec3, 3>{};
@@ -490,6 +560,10 @@ Result<PathTraced> trace(const scene::Scene& scene, const scene::Camera& camera,
     if (!rays) return tl::unexpected(std::move(rays.error()));
     const Tracer tracer(scene, settings, std::move(*rays));
     const Lens lens(camera, settings.width, settings.height);
+    std::optional<SeenSky> sky;
+    if (scene.sky && std::ranges::find(settings.layers, TracedLayer::radiance) != settings.layers.end())
+        sky.emplace(*scene.sky, glm::dvec3(camera.position));
+    const SeenSky* const seen = sky ? &*sky : nullptr;
     std::vector<Target> targets;
     for (const TracedLayer layer : settings.layers) targets.push_back(make_target(layer, settings));
     {
@@ -498,8 +572,8 @@ Result<PathTraced> trace(const scene::Scene& scene, const scene::Camera& camera,
             settings.threads > 0 ? settings.threads : std::max(std::thread::hardware_concurrency(), 1u);
         std::vector<std::jthread> others;
         for (uint32_t i = 1; i < threads; ++i)
-            others.emplace_back([&] { trace_tiles(tracer, lens, settings, tiles, targets); });
-        trace_tiles(tracer, lens, settings, tiles, targets);
+            others.emplace_back([&] { trace_tiles(tracer, lens, settings, seen, tiles, targets); });
+        trace_tiles(tracer, lens, settings, seen, tiles, targets);
     }
     PathTraced result;
     for (Target& target : targets) {

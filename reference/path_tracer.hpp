@@ -23,7 +23,9 @@ namespace lumo::reference {
 
 /// Linear pictures of three channels, depth of one.
 enum class TracedLayer : uint8_t {
-    radiance,    ///< direct + indirect + specular + emission, W/m²/sr
+    /// direct + indirect + specular + emission, W/m²/sr; under a sky seen through its air, and where nothing is drawn
+    /// the sky itself, as SeenSky has them
+    radiance,
     direct,      ///< reflected light of analytic lights, by the whole BRDF
     indirect,    ///< light from all else, emitters and environment included, reflected by the diffuse lobe
     irradiance,  ///< what indirect integrates over the hemisphere of the shading normal, W/m²
@@ -31,10 +33,11 @@ enum class TracedLayer : uint8_t {
     /// Ambient occlusion over the hemisphere of the shading normal: 1 - the integral of cos / pi / (1 + distance /
     /// ao_radius) over what is met; 0 where nothing is drawn, or nothing that light falls on.
     ao,
-    emission,  ///< what reaches the camera unreflected, the environment included
-    albedo,    ///< linear base colour
-    normal,    ///< shading normal, world space
-    depth,     ///< distance along the optical axis, metres; 0 where nothing is
+    /// What reaches the camera unreflected, the environment included: of a sky its map, which is without the sun's disc
+    emission,
+    albedo,  ///< linear base colour
+    normal,  ///< shading normal, world space
+    depth,   ///< distance along the optical axis, metres; 0 where nothing is
 };
 inline constexpr int traced_layer_count = int(TracedLayer::depth) + 1;
 std::string_view to_string(TracedLayer layer);
@@ -55,6 +58,9 @@ struct PathTracerSettings {
     /// Samples at pixel centres, as the renderer without antialiasing has them; else a pixel is the mean over its
     /// square. The layers albedo, normal and depth are always at the centres.
     bool pixel_centers_only = false;
+    /// Paths through the air of a sky for each sample of the layer radiance; at least one for each point that a half of a
+    /// pixel's samples sees, whose mean they are.
+    double air_paths = 0.125;
     float ao_radius = 1;   ///< metres, above 0, where occlusion counts half
     uint32_t threads = 0;  ///< 0: as many as the machine runs at once; the result is the same for any number
     std::vector<TracedLayer> layers{TracedLayer::radiance};

@@ -7,6 +7,8 @@
 #include "reference/atmosphere_optics.hpp"
 #include "reference/environment.hpp"
 #include "reference/path_tracer.hpp"
+#include "reference/seen_sky.hpp"
+#include "scene/builtin/geometry.hpp"
 #include "scene/sky.hpp"
 
 namespace lumo::reference {
@@ -147,6 +149,138 @@ TEST(Environment, LightsWhatThePathTracerSees) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], expected[c], 0.005 * expected[c]) << c;
     EXPECT_LT((*traced)[TracedLayer::irradiance].relative_noise, 0.02);
     EXPECT_EQ((*traced)[TracedLayer::emission].mean.at(8, 8)[0], 0);
+}
+
+glm::vec3 sun_at(double zenith_deg) {
+    const double zenith = glm::radians(zenith_deg);
+    return glm::vec3(std::sin(zenith), std::cos(zenith), 0);
+}
+
+glm::dvec3 toward(double zenith_deg, double azimuth_deg) {
+    const double zenith = glm::radians(zenith_deg), azimuth = glm::radians(azimuth_deg);
+    return {std::sin(zenith) * std::cos(azimuth), std::cos(zenith), std::sin(zenith) * std::sin(azimuth)};
+}
+
+/// From places about the planet, where the vertical is another, against the integrals by angles.
+TEST(SeenSky, IsTheAtmospheresLightInColours) {
+    const scene::Sky sky{.direction_to_sun = sun_at(50)};
+    const AtmosphereOptics optics(sky.atmosphere);
+    const auto weights = scene::rgb_weights(sky.atmosphere.wavelengths_nm);
+    const SeenSkyPaths paths{.count = 2000};
+    for (const double altitude : {0.002, 5.0}) {
+        for (const double turn : {0.0, 0.1}) {
+            SCOPED_TRACE(fmt::format("{} km, {} radians on", altitude, turn));
+            // As if the planet had been turned under the eye, about +z.
+            const double r = 6360 + altitude;
+            const glm::dvec3 eye(1000 * r * std::sin(turn), 1000 * (r * std::cos(turn) - 6360), 0);
+            const SeenSky seen(sky, eye);
+            const SkyView view{.altitude_km = altitude,
+                               .view_zenith_deg = 80,
+                               .sun_zenith_deg = 50 - glm::degrees(turn),
+                               .azimuth_deg = 0,
+                               .distance_km = 20};
+            const glm::dvec3 direction = toward(80 + glm::degrees(turn), 0);
+            const AirBefore air = seen.over(direction, 20e3, paths);
+            scene::Spectrum light = radiance_order1(optics, view);
+            const Estimate again = radiance(
+                optics, view, {.first_order = 2, .last_order = all_orders, .samples = 5000, .seed = 7});
+            for (size_t i = 0; i < light.size(); ++i) light[i] += again.mean[i];
+            const glm::dvec3 expected = scene::to_rgb(weights, light);
+            scene::Spectrum through = optics.transmittance_segment({altitude, cos_degrees(80)}, 20);
+            glm::dvec3 sunlight(0);
+            for (size_t i = 0; i < through.size(); ++i) {
+                through[i] *= sky.atmosphere.sun_irradiance[i];
+                sunlight += weights[i] * sky.atmosphere.sun_irradiance[i];
+            }
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_NEAR(air.radiance[c], expected[c], 0.02 * expected[c]);
+                EXPECT_NEAR(air.transmittance[c], scene::to_rgb(weights, through)[c] / sunlight[c], 1e-6);
+            }
+        }
+    }
+}
+
+/// White ground under a clear, conservative sky sends back what falls on it.
+TEST(SeenSky, HasTheGroundBehindTheAir) {
+    scene::Sky sky{.direction_to_sun = sun_at(40)};
+    sky.atmosphere.mie.reset();
+    sky.atmosphere.rayleigh.reset();
+    sky.atmosphere.ozone.reset();
+    sky.atmosphere.ground_albedo = {1, 1, 1};
+    const auto weights = scene::rgb_weights(sky.atmosphere.wavelengths_nm);
+    const glm::dvec3 expected =
+        scene::to_rgb(weights, sky.atmosphere.sun_irradiance) * std::cos(glm::radians(40.0)) / pi;
+    for (const double height : {0.0, 1.7, 10e3, 400e3}) {
+        const glm::dvec3 down = SeenSky(sky, {0, height, 0}).beyond({0, -1, 0}, {.count = 1});
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(down[c], expected[c], 1e-6 * expected[c]) << height;
+    }
+    EXPECT_EQ(SeenSky(sky, {0, 2, 0}).beyond(toward(80, 30), {.count = 1}), glm::dvec3(0));
+}
+
+/// However large its pixels are, a picture of the sun has its irradiance.
+TEST(PathTracerUnderASky, ShowsTheSunsDisc) {
+    for (const uint32_t side : {24u, 3u, 1u}) {
+        scene::Scene scene;
+        set_sky(scene, {.direction_to_sun = sun_at(30)});
+        const glm::dvec3 irradiance(scene.lights[0].intensity);
+        constexpr double fov = 0.9 * pi / 180;
+        const scene::Camera camera{.position = glm::vec3(0),
+                                   .target = 10.0f * sun_at(30),
+                                   .vertical_fov = float(fov),
+                                   .near_plane = 0.1f,
+                                   .far_plane = 100};
+        PathTracerSettings settings{
+            .width = side, .height = side, .spp = 2, .pixel_centers_only = true, .threads = 1};
+        const auto with = path_trace(scene, camera, settings);
+        ASSERT_TRUE(with);
+        // The sky about the disc, by the same paths.
+        scene.sky->atmosphere.sun_angular_radius_deg = 1e-9;
+        const auto without = path_trace(scene, camera, settings);
+        ASSERT_TRUE(without);
+        glm::dvec3 sum(0);
+        for (size_t i = 0; i < with->layers[0].mean.values.size(); ++i)
+            sum[int(i % 3)] += double(with->layers[0].mean.values[i]) - without->layers[0].mean.values[i];
+        const double pixel_angle = 2 * std::tan(0.5 * fov) / side;
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(sum[c] * pixel_angle * pixel_angle, irradiance[c], 0.02 * irradiance[c]) << side;
+    }
+}
+
+/// A wall that glows, 20 km away, loses light to the air and gets the air's; its own layers do not.
+TEST(PathTracerUnderASky, SeesSurfacesThroughTheAir) {
+    scene::Scene scene;
+    const glm::vec3 emission(30, 20, 10);
+    const uint32_t glowing = scene::builtin::add_diffuse_material(scene, "glowing", glm::vec3(0));
+    scene.materials[glowing].emission = emission;
+    scene.materials[glowing].double_sided = true;
+    scene::builtin::Model wall;
+    append(wall[{glowing}], scene::builtin::parallelogram({20e3f, 200, -3000}, {0, 0, 6000}, {0, 3000, 0}));
+    scene.instances.push_back({.mesh = add_mesh(scene, "wall", wall)});
+    set_sky(scene, {.direction_to_sun = sun_at(50)});
+    const scene::Camera camera{.position = {0, 1000, 0},
+                               .target = {1000, 1000, 0},
+                               .vertical_fov = 0.01f,
+                               .near_plane = 0.1f,
+                               .far_plane = 1e6f};
+    const SeenSky sky(*scene.sky, glm::dvec3(camera.position));
+    const AirBefore air = sky.over({1, 0, 0}, 20e3, {.count = 5000});
+    const glm::dvec3 expected = glm::dvec3(emission) * air.transmittance + air.radiance;
+    for (const bool centers : {true, false}) {
+        const auto traced = path_trace(scene, camera,
+                                       {.width = 2,
+                                        .height = 2,
+                                        .spp = 64,
+                                        .pixel_centers_only = centers,
+                                        .air_paths = 16,
+                                        .layers = {TracedLayer::radiance, TracedLayer::emission}});
+        ASSERT_TRUE(traced);
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(double((*traced)[TracedLayer::radiance].mean.at(0, 0)[c]), expected[c],
+                        0.02 * expected[c])
+                << c;
+            EXPECT_EQ((*traced)[TracedLayer::emission].mean.at(0, 0)[c], emission[c]);
+        }
+    }
 }
 
 }  // namespace
