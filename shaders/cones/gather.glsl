@@ -173,6 +173,41 @@ float trace_visibility(vec3 from, vec3 to) {
     return max(transmittance - min_visible, 0.0) / (1.0 - min_visible);
 }
 
+// An emitter as a sphere's cap, of which the length of the mean normal is the mean of 1 and the cosine to its rim.
+struct Cap {
+    vec3 center;    // of the sphere
+    float radius;
+    vec3 axis;
+    float flatness;
+};
+
+Cap cap_of(EmitterCell emitter) {
+    float flatness = min(sqrt(inner(emitter.normal.xyz, emitter.normal.xyz)), 1.0);
+    // Its mean position lies between the sphere's centre and its top as the mean normal does.
+    float radius = sqrt(emitter.position_spread.w / max(1.0 - flatness * flatness, 1e-3));
+    return Cap(emitter.position_spread.xyz - radius * emitter.normal.xyz, radius,
+               emitter.normal.xyz / max(flatness, 1e-6), flatness);
+}
+
+// The middle of what it shows in a direction, lifted off its voxels.
+vec3 seen_point(Cap cap, vec3 direction) {
+    float rim_cosine = 2.0 * cap.flatness - 1.0;
+    float rim_sine = sqrt(max(1.0 - rim_cosine * rim_cosine, 0.0));
+    float cosine = inner(cap.axis, direction);
+    vec3 outward = cap.axis;
+    if (rim_cosine < 0.0 || cosine < rim_sine) {
+        // It goes beyond the horizon of what is seen of the sphere: between that and the near side of its rim.
+        float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+        vec3 aside = cap.axis - cosine * direction;
+        vec3 horizon = aside * inversesqrt(max(inner(aside, aside), 1e-12));
+        float near_cosine = cosine * rim_cosine + sine * rim_sine;
+        float near_sine = sine * rim_cosine - cosine * rim_sine;
+        // The near side may go beyond it too.
+        outward = near_cosine > 0.0 ? unit(near_cosine * direction + (1.0 + near_sine) * horizon) : direction;
+    }
+    return cap.center + (cap.radius + lift) * outward;
+}
+
 // Irradiance on a surface from an emitter, W/m², if nothing stands before it, and where a path to it ends, in grid space.
 struct EmitterLight {
     vec3 irradiance;
@@ -185,7 +220,8 @@ EmitterLight emitter_light(EmitterCell emitter, vec3 position, vec3 normal) {
     float squared = max(inner(path, path), 1e-6);
     vec3 direction = path * inversesqrt(squared);
     float spread = emitter.position_spread.w;
-    float flatness = min(sqrt(inner(emitter.normal.xyz, emitter.normal.xyz)), 1.0);
+    Cap cap = cap_of(emitter);
+    float flatness = cap.flatness;
     // Of a disk, the mean squared distance from its centre is half the square of its radius.
     float radius = sqrt(2.0 * spread);
     // What of it lies above the horizon, times the cosine there, of a sphere.
@@ -202,12 +238,11 @@ EmitterLight emitter_light(EmitterCell emitter, vec3 position, vec3 normal) {
     float width = sqrt(mix(side, (1.0 - flatness) * (1.0 - flatness), along));
     float shown = abs(mean) < width ? (mean + width) * (mean + width) / (4.0 * width)
                                     : max(mean, 0.0) * smoothstep(0.5, 1.5, front);
+    // What bends outward does not light itself.
+    vec3 outside = position - cap.center;
+    shown *= smoothstep(0.5, 1.5, sqrt(inner(outside, outside)) - cap.radius);
     float form = shown * max(cosine, 0.0) / max(squared + 2.0 * spread * flatness, spread);
-    // Its mean position lies under a bent surface, by this much if that is a sphere's cap. To where a surface seen whole
-    // is near, that is toward the receiver.
-    float depth = radius * sqrt((1.0 - flatness) / (2.0 + 2.0 * flatness));
-    vec3 outward = unit(emitter.normal.xyz - (1.0 - flatness) * direction);
-    return EmitterLight(emitter.flux.rgb * form, emitter.position_spread.xyz + (lift + depth) * outward);
+    return EmitterLight(emitter.flux.rgb * form, seen_point(cap, -direction));
 }
 
 // Irradiance on a surface from the emitters that are lit by one by one, W/m². As gather_irradiance.
