@@ -6,6 +6,7 @@ const int atmosphere_binding = 0;
 #define SKY 5
 #include "common/camera.glsl"
 #include "sky/view.glsl"
+#include "sky/before.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -18,21 +19,6 @@ layout(binding = 6) uniform sampler2D depth;
 layout(binding = 7, rgba32f) LUMO_READ_WRITE uniform image2D radiance;
 layout(binding = 8, rgba32f) LUMO_READ_WRITE uniform image2D transmittance;
 
-struct Seen {
-    vec4 radiance;
-    vec4 transmittance;
-};
-
-// The ground of the planet lies no nearer than a surface that is seen.
-Seen seen_before(vec3 direction, float distance) {
-    float mu = clamp(dot(direction, sky.up), -1.0, 1.0);
-    float mu_sun = clamp(dot(sky.to_sun, sky.up), -1.0, 1.0);
-    float nu = clamp(dot(direction, sky.to_sun), -1.0, 1.0);
-    AirPath path = air_path(RayPoint(sky.altitude, mu));
-    float end = path.ground ? min(distance, path.entry + path.extent) : distance;
-    return Seen(sky_radiance(sky.altitude, mu, mu_sun, nu, end), transmittance_segment(sky.altitude, mu, end));
-}
-
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, imageSize(radiance)))) return;
@@ -40,16 +26,14 @@ void main() {
     float pixel_depth = texelFetch(depth, pixel, 0).r;
     if ((pixel_depth == 1.0) != (push.behind == 1)) return;
     vec2 at = vec2(pixel) + 0.5;
-    bool perspective = camera.eye.w > 0.0;
-    Seen seen;
+    AirBefore seen;
     if (pixel_depth < 1.0) {
-        vec3 path = world_from_pixel(at, pixel_depth) - (perspective ? camera.eye.xyz : world_from_pixel(at, 0.0));
-        float distance = sqrt(dot(path, path));
-        seen = seen_before(perspective ? path / max(distance, 1e-12) : -camera.eye.xyz, 0.001 * distance);
+        seen = air_before_surface(world_from_pixel(at, pixel_depth), at);
     } else {
+        bool perspective = camera.eye.w > 0.0;
         vec3 direction = perspective ? unit(camera.corner + camera.across * at.x + camera.along * at.y) : -camera.eye.xyz;
         float pixel_angle = perspective ? sqrt(dot(camera.along, camera.along)) : 0.0;
-        seen = Seen(radiance_from(direction) + sun_disc(direction, pixel_angle), vec4(1));
+        seen = AirBefore(radiance_from(direction) + sun_disc(direction, pixel_angle), vec4(1));
     }
     vec3 added = rgb_of(seen.radiance);
     vec3 through = rgb_of_transmittance(seen.transmittance);

@@ -90,6 +90,8 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
             return made.make_blend_pipelines(device, made.blended_indirect_,
                                              {.analytic_lights = needs.lights,
                                               .diffuse_materials = needs.diffuse_materials,
+                                              .air_before = needs.sky,
+                                              .air_in_parts = needs.sky_in_parts,
                                               .gather_emission = needs.gather.emission,
                                               .gather_environment = needs.gather.environment,
                                               .anisotropic = needs.gather.anisotropic,
@@ -98,17 +100,26 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
         });
     } else if (needs.blend) {
         done = done.and_then([&] {
-            return made.make_blend_pipelines(
-                device, made.blended_,
-                {.analytic_lights = needs.lights, .diffuse_materials = needs.diffuse_materials});
+            return made.make_blend_pipelines(device, made.blended_,
+                                             {.analytic_lights = needs.lights,
+                                              .diffuse_materials = needs.diffuse_materials,
+                                              .air_before = needs.sky,
+                                              .air_in_parts = needs.sky_in_parts});
         });
+    }
+    if (needs.blend && needs.sky_in_parts) {
+        done = done.and_then([&] { return make_target(made.share_, "lighting.share", blend_usage); })
+                   .and_then([&] {
+                       return device.create_compute_pipeline<shaders::lighting::add>().map(
+                           [&](auto pipeline) { made.add_ = std::move(pipeline); });
+                   });
     }
     return done.map([&] { return std::move(made); });
 }
 
 template <class P>
 void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipelines, const Inputs& inputs,
-                            const AnalyticLights& lights) const {
+                            const AnalyticLights& lights, const sky::Air& air) const {
     const scene::GeometryView& geometry = *inputs.geometry;
     std::vector<const scene::DrawView*> order;
     for (const scene::DrawView& draw : geometry.draws)
@@ -141,14 +152,30 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
                                             inputs.gather->emission_directions,
                                             inputs.gather->block,
                                             inputs.gather->emitters,
+                                            air.tables.block,
+                                            air.tables.columns,
+                                            air.tables.light,
+                                            air.tables.peaks,
+                                            air.view,
                                             inputs.gather->sky,
                                             inputs.gather->nodes};
             else
-                return typename P::Bindings{
-                    geometry.vertices,     geometry.instances,  geometry.material(draw->material),
-                    inputs.gbuffer.camera, textures.base_color, textures.metallic_roughness,
-                    textures.normal,       textures.occlusion,  textures.emission,
-                    lights.block,          lights.shadow_maps};
+                return typename P::Bindings{geometry.vertices,
+                                            geometry.instances,
+                                            geometry.material(draw->material),
+                                            inputs.gbuffer.camera,
+                                            textures.base_color,
+                                            textures.metallic_roughness,
+                                            textures.normal,
+                                            textures.occlusion,
+                                            textures.emission,
+                                            lights.block,
+                                            lights.shadow_maps,
+                                            air.tables.block,
+                                            air.tables.columns,
+                                            air.tables.light,
+                                            air.tables.peaks,
+                                            air.view};
         }();
         // Far faces of a body that is seen through come before its near ones.
         const CullMode near_faces = draw->mirrored ? CullMode::front : CullMode::back;
@@ -161,6 +188,42 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
                                        .instances = draw->instances,
                                        .first = draw->first_index});
         }
+    }
+}
+
+/// Over what is there, what a surface sends at all wavelengths. Where these are in several parts, each part is drawn by
+/// itself, over nothing but for the first, and the sum is the same: what lies behind is weakened in all of them alike.
+void Lighting::blend(rhi::Commands& commands, const Inputs& inputs, const AnalyticLights& lights) {
+    const gbuffer::View& g = inputs.gbuffer;
+    std::vector<sky::Air> parts;
+    if (inputs.sky) {
+        parts = inputs.sky->before;
+    } else {
+        const rhi::Sampled<Dimension::d2> unread(g.base_color_metallic, sampler_);
+        parts.push_back({.tables = {.block = commands.uniform(shaders::lighting::blended::Atmosphere{}),
+                                    .columns = unread,
+                                    .light = lights.shadow_maps,
+                                    .peaks = unread},
+                         .view = commands.uniform(shaders::lighting::blended::Sky{})});
+    }
+    for (size_t i = 0; i < parts.size(); ++i) {
+        const rhi::Texture& target = i == 0 ? radiance_ : share_;
+        {
+            rhi::RasterPass pass = commands.raster_pass(
+                "lighting.blend", {.color = {{.view = target.view<Dimension::d2>(),
+                                              .load = i == 0 ? rhi::Load::keep : rhi::Load::clear}},
+                                   .depth = rhi::DepthTarget{.view = g.depth, .load = rhi::Load::keep}});
+            if (needs_.indirect)
+                draw_blended(pass, blended_indirect_, inputs, lights, parts[i]);
+            else
+                draw_blended(pass, blended_, inputs, lights, parts[i]);
+        }
+        if (i == 0) continue;
+        commands.pass("lighting.add")
+            .dispatch(add_,
+                      {.share = {target.view<Dimension::d2>(), sampler_},
+                       .radiance = radiance_.view<Dimension::d2>()},
+                      {}, {rhi::groups_for(g.size.width, 8), rhi::groups_for(g.size.height, 8)});
     }
 }
 
@@ -199,15 +262,7 @@ View Lighting::record(rhi::Commands& commands, const Inputs& inputs) {
                           {.environment = inputs.environment}, groups);
         }
     }
-    if (needs_.blend) {
-        rhi::RasterPass pass = commands.raster_pass(
-            "lighting.blend", {.color = {{.view = view.radiance, .load = rhi::Load::keep}},
-                               .depth = rhi::DepthTarget{.view = g.depth, .load = rhi::Load::keep}});
-        if (needs_.indirect)
-            draw_blended(pass, blended_indirect_, inputs, lights);
-        else
-            draw_blended(pass, blended_, inputs, lights);
-    }
+    if (needs_.blend) blend(commands, inputs, lights);
     return view;
 }
 

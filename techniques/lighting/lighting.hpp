@@ -7,6 +7,7 @@
 
 #include "rhi/rhi.hpp"
 #include "scene/gpu_scene.hpp"
+#include "shaders/lighting/add.hpp"
 #include "shaders/lighting/blended.hpp"
 #include "shaders/lighting/blended_indirect.hpp"
 #include "shaders/lighting/shade.hpp"
@@ -25,6 +26,7 @@ struct Needs {
     bool specular = false;            ///< there is indirect light of the specular lobe
     bool emission = false;            ///< the G-buffer has the target of emission
     bool sky = false;                 ///< a sky is seen, and surfaces through its air
+    bool sky_in_parts = false;        ///< … of more than four wavelengths
     bool layers = false;              ///< direct and indirect radiance are wanted by themselves
     bool blend = false;               ///< some surface is blended
     bool blend_double_sided = false;  ///< … and seen from both sides
@@ -52,8 +54,7 @@ struct Inputs {
 };
 
 /// rgba32_float, W/m²/sr. `radiance` = direct + indirect + specular + emission + environment, blended surfaces over it; the
-/// layers `direct` and `indirect` are of what lies behind those. The air of a sky is before all but the blended surfaces, in
-/// `radiance` alone.
+/// layers `direct` and `indirect` are of what lies behind those. The air of a sky is before all surfaces, in `radiance` alone.
 struct View {
     rhi::View<rhi::Dimension::d2> radiance;
     std::optional<rhi::View<rhi::Dimension::d2>> direct;
@@ -87,7 +88,8 @@ class Lighting {
                                       const typename P::Options& options);
     template <class P>
     void draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipelines, const Inputs& inputs,
-                      const AnalyticLights& lights) const;
+                      const AnalyticLights& lights, const sky::Air& air) const;
+    void blend(rhi::Commands& commands, const Inputs& inputs, const AnalyticLights& lights);
 
     Needs needs_;
     rhi::Sampler sampler_;
@@ -95,6 +97,8 @@ class Lighting {
     rhi::Texture radiance_;
     rhi::Texture direct_;
     rhi::Texture indirect_;
+    rhi::Texture share_;  ///< blended surfaces, by what they send at some of the wavelengths
+    rhi::ComputePipeline<shaders::lighting::add> add_;
     rhi::ComputePipeline<shaders::lighting::shade> shade_;
     rhi::ComputePipeline<shaders::lighting::shade_layers> shade_layers_;
     BlendPipelines<shaders::lighting::blended> blended_;

@@ -179,29 +179,35 @@ rhi::Sampled<Dimension::d3> Sky::record_map(rhi::Commands& commands, const scene
 
 Pixels Sky::record_pixels(rhi::Commands& commands, const gbuffer::View& gbuffer, const scene::Sky& sky,
                           const scene::Camera& camera) {
+    Pixels pixels{.radiance = radiance_.view<Dimension::d2>(),
+                  .transmittance = transmittance_.view<Dimension::d2>(),
+                  .before = {}};
+    const bool near = camera.far_plane <= near_metres;
+    for (const Part& part : parts_)
+        pixels.before.push_back(
+            {.tables = part.tables.sky(commands, near ? std::optional(least_nodes) : std::nullopt),
+             .view = commands.uniform(block(part, sky, camera.position))});
+
     rhi::Pass pass = commands.pass("sky.pixels");
     const rhi::Groups groups{rhi::groups_for(gbuffer.size.width, group_side),
                              rhi::groups_for(gbuffer.size.height, group_side)};
     for (size_t i = 0; i < parts_.size(); ++i) {
         for (const bool behind : {true, false}) {
-            const bool near = !behind && camera.far_plane <= near_metres;
-            const atmosphere::Sky tables =
-                parts_[i].tables.sky(commands, near ? std::optional(least_nodes) : std::nullopt);
+            const atmosphere::Sky tables = behind ? parts_[i].tables.sky(commands) : pixels.before[i].tables;
             pass.dispatch(pixels_pipeline_,
                           {.air = tables.block,
                            .air_columns = tables.columns,
                            .air_light = tables.light,
                            .air_peaks = tables.peaks,
                            .camera = gbuffer.camera,
-                           .sky = commands.uniform(block(parts_[i], sky, camera.position)),
+                           .sky = pixels.before[i].view,
                            .depth = {gbuffer.depth, point_sampler_},
-                           .radiance = radiance_.view<Dimension::d2>(),
-                           .transmittance = transmittance_.view<Dimension::d2>()},
+                           .radiance = pixels.radiance,
+                           .transmittance = pixels.transmittance},
                           {.add = i > 0, .behind = behind}, groups);
         }
     }
-    return {.radiance = radiance_.view<Dimension::d2>(),
-            .transmittance = transmittance_.view<Dimension::d2>()};
+    return pixels;
 }
 
 Result<scene::ImageF> download_map(rhi::Device& device, const Sky& sky, uint32_t rows) {

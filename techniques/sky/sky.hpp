@@ -26,11 +26,19 @@ struct Settings {
 scene::Atmosphere nothing();
 Settings least_settings();
 
+/// What shaders/sky/before.glsl reads, for up to four wavelengths.
+struct Air {
+    atmosphere::Sky tables;
+    rhi::UniformBuffer view;
+};
+
 /// rgba32_float of the frame's size; a is 1. A pixel's radiance is what its surface sends times `transmittance`, plus
 /// `radiance`; negative values count as 0.
 struct Pixels {
     rhi::View<rhi::Dimension::d2> radiance;
     rhi::View<rhi::Dimension::d2> transmittance;
+    std::vector<Air>
+        before;  ///< the same for surfaces that are not in the G-buffer: the sum over all of these
 };
 
 class Sky {
@@ -51,6 +59,8 @@ class Sky {
     Pixels record_pixels(rhi::Commands& commands, const gbuffer::View& gbuffer, const scene::Sky& sky,
                          const scene::Camera& camera);
 
+    /// How many sets of up to four wavelengths there are: Pixels::before.
+    size_t parts() const { return parts_.size(); }
     /// The map's texture, to read it back: level 0 has the radiances.
     const rhi::Texture& map() const { return map_; }
     const rhi::Texture& radiance() const { return radiance_; }  ///< what record_pixels fills

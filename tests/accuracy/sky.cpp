@@ -232,6 +232,66 @@ TEST_P(SkyTest, AirLiesBeforeSurfaces) {
     }
 }
 
+/// A wall of light across the view, 20 km away, which hides so much of what lies behind it.
+scene::Scene wall_of_light(float opacity, scene::Atmosphere air = scene::earth()) {
+    scene::Scene scene;
+    add(scene, scene::builtin::parallelogram({20e3f, 200, -1000}, {0, 0, 2000}, {0, 3000, 0}),
+        scene::Material{.base_color = {0, 0, 0, opacity},
+                        .metallic = 0,
+                        .emission = {3, 2, 1},
+                        .alpha_mode = opacity < 1 ? scene::AlphaMode::blend : scene::AlphaMode::opaque,
+                        .double_sided = true});
+    set_sky(scene, {.atmosphere = std::move(air), .direction_to_sun = sun_at(50)});
+    return scene;
+}
+
+TEST_P(SkyTest, AirLiesBeforeBlendedSurfaces) {
+    const auto seen = [&](float opacity, bool gi) {
+        const scene::Scene scene = wall_of_light(opacity);
+        frame::Settings settings{.size = {2, 1},
+                                 .gi = gi,
+                                 .layers = {Layer::radiance},
+                                 .voxels = {.resolution = 16},
+                                 .sky = quick()};
+        const auto rendered = must(frame::render(device(), scene, camera_at(1, 90), settings));
+        return pixel(rendered.layers[0].linear, 0, 0);
+    };
+    for (const bool gi : {false, true}) {
+        SCOPED_TRACE(gi);
+        // Thick but for a part that no float tells from none, it is as an opaque one; else a mean of that and nothing.
+        const glm::dvec3 opaque = seen(1, gi), blended = seen(0.999999f, gi), clear = seen(0, gi);
+        expect_near(blended, opaque, 1e-5);
+        expect_near(seen(0.25f, gi), 0.25 * opaque + 0.75 * clear, 1e-5);
+    }
+    EXPECT_GT(glm::distance(seen(1, false), glm::dvec3(3, 2, 1)), 1) << "the air is seen at all";
+}
+
+/// Six wavelengths are two sets of tables; the air of both is one.
+TEST_P(SkyTest, AirOfManyWavelengthsLiesBeforeBlendedSurfaces) {
+    scene::Atmosphere air = scene::earth();
+    const auto six = [](scene::Spectrum& spectrum) {
+        const double red = spectrum.at(0), green = spectrum.at(1), blue = spectrum.at(2);
+        spectrum = {red, 0.5 * (red + green), green, 0.5 * (green + blue), blue, 0.9 * blue};
+    };
+    six(air.sun_irradiance);
+    six(air.rayleigh->scattering_per_km);
+    six(air.mie->scattering_per_km);
+    six(air.mie->extinction_per_km);
+    six(air.ozone->extinction_per_km);
+    six(air.ground_albedo);
+    air.wavelengths_nm = {680, 615, 550, 495, 440, 430};
+    frame::Settings settings{.size = {2, 1}, .gi = false, .layers = {Layer::radiance}, .sky = quick()};
+    settings.sky.tables = sky::least_settings().tables;
+    const auto seen = [&](float opacity) {
+        const auto rendered =
+            must(frame::render(device(), wall_of_light(opacity, air), camera_at(1, 90), settings));
+        return pixel(rendered.layers[0].linear, 0, 0);
+    };
+    const glm::dvec3 opaque = seen(1);
+    expect_near(seen(0.999999f), opaque, 1e-5);
+    expect_near(seen(0.25f), 0.25 * opaque + 0.75 * seen(0), 1e-5);
+}
+
 /// Level 0 is the sky as its irradiance has it; the others are its means over cones.
 TEST_P(SkyTest, MapHasTheSkysIrradianceAndItsConesMeans) {
     for (const double zenith : {30.0, 80.0}) {
