@@ -11,13 +11,12 @@ layout(push_constant) uniform Push {
     int zeniths;
     int degree;
     int directions;  // layers of each degree of what aerosols send on
-    int add;         // 1: to what is there already of this order
-    int add_to_sum;  // 1: to what is there already of others
+    int add;         // 1: to what the sum has of other orders
 } push;
 
 layout(binding = 0, std430) readonly buffer Rings { vec4 data[]; } rings;
 layout(binding = 1, std430) readonly buffer Weights { float data[]; } weights;  // zeniths are adjacent, then layers, then rows
-layout(binding = 2, rgba32f) LUMO_READ_WRITE uniform image2DArray light;
+layout(binding = 2, rgba32f) writeonly uniform image2DArray light;
 layout(binding = 3, rgba32f) LUMO_READ_WRITE uniform image2DArray sum;
 
 const int first_aerosol_layer = 5;
@@ -39,6 +38,6 @@ void main() {
     vec4 value = vec4(0);
     for (int j = 0; j < push.zeniths; ++j)
         value += weights.data[weight + j] * rings.data[ring + j * (push.degree + 1)];
-    imageStore(light, place, push.add == 1 ? imageLoad(light, place) + value : value);
-    imageStore(sum, place, push.add_to_sum == 1 ? imageLoad(sum, place) + value : value);
+    imageStore(light, place, value);
+    imageStore(sum, place, push.add == 1 ? imageLoad(sum, place) + value : value);
 }

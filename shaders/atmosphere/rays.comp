@@ -11,9 +11,9 @@ layout(push_constant) uniform Push {
     ivec2 directions; // zenith angles, azimuths
     int first_row;
     int rows;
-    vec2 first;       // factors of light that molecules and aerosols scattered once
-    int again;        // 1: light of the order before, as the tables have it, scattered once more
-    int ground;       // 1: light of the order before that the ground reflects
+    int first;        // 1: light of order 1; 0: of the order before, as the tables have it, scattered or reflected again
+    vec4 forward;     // of forward_light(), what the tables of the order before leave out
+    vec4 left_out;    // and what those of this order do
 } push;
 
 // Azimuths are adjacent, then zeniths, then texels.
@@ -46,16 +46,18 @@ void main() {
     float nu = clamp(mu * mu_sun + sines * cos(azimuth(direction % push.directions.y, push.directions.y)), -1.0, 1.0);
 
     AirPath path = air_path(RayPoint(altitude, mu));
-    vec4 light = light_along(path, path.extent, mu_sun, nu, push.first, push.again == 1);
-    if (path.ground && push.ground == 1) {
+    bool first = push.first == 1;
+    vec4 light = light_along(path, path.extent, mu_sun, nu, first, push.forward.xyz, !first);
+    if (path.ground) {
         float ground_sun = (radius_at(altitude) * mu_sun + nu * path.extent) / air.radius_ground;
         vec4 irradiance =
-            push.again == 1 ? sky_irradiance_at(0.0, ground_sun)
-                           : max(ground_sun, 0.0) * sun_visibility(0.0, ground_sun) *
-                                 transmittance_of(columns_to_sun(0.0, ground_sun));
+            first ? max(ground_sun, 0.0) * sun_visibility(0.0, ground_sun) *
+                        transmittance_of(columns_to_sun(0.0, ground_sun))
+                  : sky_irradiance_at(0.0, ground_sun, push.forward.xyz);
         vec4 transmittance =
             transmittance_of(columns_to(columns_along(path), ray_after(path.at, path.extent), path.extent));
         light += transmittance * air.ground_albedo / pi * irradiance;
     }
+    if (push.left_out != vec4(0)) light -= forward_light(altitude, mu_sun, push.left_out.xyz * peaks(nu, 0).xyz);
     rays.data[i] = light;
 }

@@ -3,9 +3,10 @@
 
 // Layers, as functions of the sun's zenith angle and of altitude: 0 to 3, what molecules send on, see scattered_again();
 // 4, the sky's irradiance on a level plane; from first_aerosol_layer on, what aerosols send on into air.directions
-// zenith angles, once for each of air.degree + 1 cosines of multiples of the azimuth. Light of several orders together.
+// zenith angles, once for each of air.degree + 1 cosines of multiples of the azimuth. Light of several orders together,
+// without what forward_light() adds.
 layout(binding = atmosphere_binding + 2) uniform sampler2DArray air_light;
-// What these leave out of the aerosols' forward peak: see peaks().
+// What these leave out of the aerosols' forward peak: rows of peaks() and of its irradiance.
 layout(binding = atmosphere_binding + 3) uniform sampler2D air_peaks;
 
 const int irradiance_layer = 4;
@@ -17,11 +18,34 @@ vec2 light_place(float altitude, float mu_sun) {
 
 vec4 light_layer(vec2 place, int layer) { return textureLod(air_light, vec3(place, float(layer)), 0.0); }
 
-vec4 sky_irradiance_at(float altitude, float mu_sun) {
-    return light_layer(light_place(altitude, mu_sun), irradiance_layer);
+// The part of the aerosols' phase function, convolved with itself 0 to 3 times, that has degrees above air.degree; row 1:
+// its irradiance on a plane, nu being between the plane's normal and the peak.
+vec4 peaks(float nu, int row) {
+    vec2 place = vec2(sqrt(max(0.5 - 0.5 * nu, 0.0)), float(row));
+    return textureLod(air_peaks, texel_centred(place, vec2(textureSize(air_peaks, 0))), 0.0);
 }
 
-// Light per km and steradian that the air at a point sends on in a direction, of what was scattered or reflected before.
+// Light of the sun that aerosols scattered 1, 2 or 3 times by so little each time that it comes from where the sun is, as
+// far as it has degrees above air.degree: it is these peaks, times powers of the depth to the sun over factorials.
+const vec3 all_forward = vec3(1.0, 1.0 / 2.0, 1.0 / 6.0);
+
+vec4 forward_of(vec4 depth, vec3 peak) { return depth * (peak.x + depth * (peak.y + depth * peak.z)); }
+
+vec4 forward_light(float altitude, float mu_sun, vec3 peak) {
+    float visible = sun_visibility(altitude, mu_sun);
+    if (visible <= 0.0) return vec4(0);
+    vec3 to_sun = columns_to_sun(altitude, mu_sun);
+    return visible * transmittance_of(to_sun) * forward_of(air.mie_scattering * to_sun.y, peak);
+}
+
+vec4 sky_irradiance_at(float altitude, float mu_sun, vec3 forward) {
+    vec4 irradiance = light_layer(light_place(altitude, mu_sun), irradiance_layer);
+    if (forward != vec3(0)) irradiance += forward_light(altitude, mu_sun, forward * peaks(mu_sun, 1).xyz);
+    return max(irradiance, vec4(0));
+}
+
+// Light per km and steradian that the air at a point sends on in a direction, of what was scattered or reflected before
+// and is in the tables; that of aerosols may be less than nothing where they scatter less forward than forward_light().
 // Convolution with a phase function is one factor for each degree of spherical harmonics (Funk and Hecke); that of
 // molecules has the degrees 0 and 2, about the vertical and even in the azimuth from the sun.
 vec4 scattered_again(float altitude, float mu, float mu_sun, float nu, vec2 density) {
@@ -50,16 +74,9 @@ vec4 scattered_again(float altitude, float mu, float mu_sun, float nu, vec2 dens
             harmonic = next;
             layer += air.directions;
         }
-        sum += air.mie_scattering * density.y * max(by_aerosols, vec4(0));
+        sum += air.mie_scattering * density.y * by_aerosols;
     }
     return sum;
-}
-
-// The part of the aerosols' phase function, convolved with itself 1 to 4 times, that has degrees above air.degree: light
-// of the sun that was scattered by so little each time that it comes from where the sun is.
-vec4 peaks(float nu) {
-    vec2 size = vec2(textureSize(air_peaks, 0));
-    return textureLod(air_peaks, texel_centred(vec2(sqrt(max(0.5 - 0.5 * nu, 0.0)), 0), size), 0.0);
 }
 
 const float free_paths = 4.0;
@@ -75,11 +92,11 @@ vec2 roots(float a, float b, float c) {
     return vec2(c / q, a > 0.0 ? q / a : -1.0);
 }
 
-// Light from the first `length` km of a path: of the sun's, scattered once by molecules and by aerosols, times `first`;
-// and, with `again`, of what the tables hold. By Gauss and Legendre over pieces that end at the perigee, where the sun's
+// Light from the first `length` km of a path: of the sun's, with `first`; of forward_light(), times `forward`; and, with
+// `again`, of what the tables hold. By Gauss and Legendre over pieces that end at the perigee, where the sun's
 // disc touches the horizon, and in thick air some free paths from the start; each with t = L u² from its lower end,
 // where the air is.
-vec4 light_along(AirPath path, float length, float mu_sun, float nu, vec2 first, bool again) {
+vec4 light_along(AirPath path, float length, float mu_sun, float nu, bool first, vec3 forward, bool again) {
     float ground = air.radius_ground;
     float r = radius_at(path.at.altitude);
     float r_sun = r * mu_sun;
@@ -87,7 +104,7 @@ vec4 light_along(AirPath path, float length, float mu_sun, float nu, vec2 first,
 
     // The disc's place above the horizon is r_sun + nu d + sqrt(r(d)² - R²) = c for c = -alpha R, alpha R.
     vec4 cuts = vec4(-1);
-    bool sunlit = first.x + first.y > 0.0;
+    bool sunlit = first || forward != vec3(0);
     if (sunlit) {
         for (int i = 0; i < 2; ++i) {
             float rest = (i == 0 ? -1.0 : 1.0) * air.sun_radius * ground - r_sun;
@@ -100,9 +117,9 @@ vec4 light_along(AirPath path, float length, float mu_sun, float nu, vec2 first,
         air.rayleigh_scattering * density_at_start.x + air.mie_extinction * density_at_start.y;
     float most = max(max(extinction.x, extinction.y), max(extinction.z, extinction.w));
     float seen = most * length > 2.0 * free_paths ? free_paths / most : 0.0;
-    vec4 peak = again ? peaks(nu) : vec4(0);
-    float rayleigh = first.x * rayleigh_phase(nu);
-    float mie = first.y * mie_phase(nu);
+    vec3 peak = forward != vec3(0) ? forward * peaks(nu, 0).yzw : vec3(0);
+    float rayleigh = first ? rayleigh_phase(nu) : 0.0;
+    float mie = first ? mie_phase(nu) : 0.0;
 
     vec4 sum = vec4(0);
     float begin = 0.0;
@@ -127,17 +144,15 @@ vec4 light_along(AirPath path, float length, float mu_sun, float nu, vec2 first,
             float visible = sunlit ? sun_visibility(at.altitude, mu_sun_there) : 0.0;
             if (visible > 0.0) {
                 vec3 to_sun = columns_to_sun(at.altitude, mu_sun_there);
-                vec4 depth = air.mie_scattering * to_sun.y;
-                vec4 forward =
-                    depth * (peak.x + depth * (peak.y / 2.0 + depth * (peak.z / 6.0 + depth * peak.w / 24.0)));
                 source = visible * transmittance_of(to_sun) *
                          (air.rayleigh_scattering * (density.x * rayleigh) +
-                          air.mie_scattering * density.y * (mie + forward));
+                          air.mie_scattering * density.y *
+                              (mie + forward_of(air.mie_scattering * to_sun.y, peak)));
             }
             if (again) source += scattered_again(at.altitude, at.mu, mu_sun_there, nu, density);
-            sum += 2.0 * node.x * node.y * (end - begin) * transmittance_of(columns) * source;
+            sum += 2.0 * node.x * node.y * (end - begin) * transmittance_of(columns) * max(source, vec4(0));
         }
         begin = end;
     }
-    return max(sum, vec4(0));
+    return sum;
 }

@@ -49,7 +49,8 @@ vec4 sky_light(float altitude, float mu, float mu_sun, float nu, float distance,
     float length = min(path.extent, distance - path.entry);
     if (!(length > 0.0)) return vec4(0);
     float mu_sun_there = (radius_at(max(altitude, 0.0)) * mu_sun + nu * path.entry) / radius_at(path.at.altitude);
-    return air.sun_irradiance * light_along(path, length, clamp(mu_sun_there, -1.0, 1.0), nu, vec2(1), again);
+    return air.sun_irradiance * light_along(path, length, clamp(mu_sun_there, -1.0, 1.0), nu, true,
+                                            again ? all_forward : vec3(0), again);
 }
 
 // Of all orders, scattered toward the camera within a distance.
@@ -64,5 +65,6 @@ vec4 sky_radiance_order1(float altitude, float mu, float mu_sun, float nu, float
 
 // Of the sky, without the sun, on a level plane that faces up.
 vec4 sky_irradiance(float altitude, float mu_sun) {
-    return altitude > air.height ? vec4(0) : air.sun_irradiance * sky_irradiance_at(max(altitude, 0.0), mu_sun);
+    if (altitude > air.height) return vec4(0);
+    return air.sun_irradiance * sky_irradiance_at(max(altitude, 0.0), mu_sun, all_forward);
 }

@@ -46,6 +46,25 @@ Result<void> check(const scene::Atmosphere& atmosphere, const Settings& s) {
     return result;
 }
 
+/// Orders after which the series is off by at most three thousandths of all light. In a layer over white ground orders
+/// fall by the first eigenvalue of diffusion, and what else there is in them by the others; the estimate is for isotropic
+/// scattering without absorption, and the orders of any other layer of this depth fall faster.
+uint32_t orders_before_series(const scene::Atmosphere& a) {
+    constexpr double error = 0.003, extrapolation = 0.71;
+    constexpr uint32_t most = 100;
+    double orders = 0;
+    for (size_t i = 0; i < a.wavelengths_nm.size(); ++i) {
+        double depth = 0;
+        if (a.rayleigh) depth += a.rayleigh->scattering_per_km[i] * a.rayleigh->scale_height_km;
+        if (a.mie) depth += a.mie->scattering_per_km[i] * a.mie->scale_height_km;
+        const double wave =
+            0.5 * pi / (depth + extrapolation);  // a quarter of one fills the layer, three the next mode
+        const double first = 1 / (1 + wave * wave / 3), second = 1 / (1 + 3 * wave * wave);
+        orders = std::max(orders, std::log(error * (1 - first) / first) / std::log(second / first));
+    }
+    return uint32_t(std::min(std::ceil(orders), double(most)));
+}
+
 glm::vec4 components(const scene::Spectrum& values, double scale = 1) {
     glm::vec4 v(0);
     for (size_t i = 0; i < values.size(); ++i) v[int(i)] = float(values[i] * scale);
@@ -111,77 +130,106 @@ Block make_block(const scene::Atmosphere& a, const Settings& settings) {
     return block;
 }
 
-/// Of a zone: below the horizon, between it and the level, or above; as shaders/atmosphere/rays.comp has them.
+/// How many of the zenith angles that light is gathered from lie below the horizon, between it and the level, and above;
+/// in each zone they are a rule's nodes.
+std::array<uint32_t, 3> zone_sizes(uint32_t zeniths) {
+    const uint32_t between = std::max(zeniths / 6, 2u), below = std::max(zeniths / 3, 2u);
+    return {below, between, zeniths - below - between};
+}
+
+/// As shaders/atmosphere/rays.comp has them: place in the zone, zone.
+std::vector<float> zenith_places(uint32_t zeniths) {
+    std::vector<float> places;
+    int zone = 0;
+    for (const uint32_t size : zone_sizes(zeniths)) {
+        for (const Node& node : gauss_legendre(size))
+            places.insert(places.end(), {float(node.x), float(zone)});
+        ++zone;
+    }
+    return places;
+}
+
+/// A zenith angle of a rule that integrates phase functions times polynomials through the light at the gathered ones.
 struct ZenithNode {
     Node node;
     int zone;
+    uint32_t first;               ///< zenith angle of the zone
+    std::vector<double> through;  ///< the polynomials of the zone's zenith angles
 };
 
-std::vector<ZenithNode> zenith_nodes(uint32_t count) {
-    const uint32_t between = std::max(count / 6, 2u), below = std::max(count / 3, 2u);
+std::vector<ZenithNode> zenith_nodes(uint32_t zeniths) {
     std::vector<ZenithNode> nodes;
-    for (const auto& [zone, part] : {std::pair{0, below}, {1, between}, {2, count - below - between}})
-        for (const Node& node : gauss_legendre(part)) nodes.push_back({node, zone});
+    int zone = 0;
+    uint32_t first = 0;
+    for (const uint32_t size : zone_sizes(zeniths)) {
+        const std::vector<Node> gathered = gauss_legendre(size);
+        for (const Node& node : gauss_legendre(most_degrees + size))
+            nodes.push_back({node, zone, first, interpolation(gathered, node.x)});
+        first += size;
+        ++zone;
+    }
     return nodes;
 }
 
 /// The weights with which the light that arrives at each zenith angle counts in each layer of a row of the tables, for
-/// light integrated over azimuths as rings.comp does; zenith angles are adjacent. Of the aerosols' phase function, the
-/// degrees up to `degree`.
-std::vector<float> gather_weights(const scene::Atmosphere& a, const Settings& settings, double altitude,
-                                  uint32_t degree) {
+/// light integrated over azimuths as rings.comp does; zenith angles are adjacent. Phase functions are too narrow for few zenith angles, light is not: it counts as the
+/// polynomial through its values in each zone, so that what is uniform is scattered without loss or gain.
+std::vector<float> gather_weights(const scene::Atmosphere& a, const Settings& settings,
+                                  std::span<const ZenithNode> nodes, double altitude) {
+    constexpr uint32_t degree = most_degrees;
     const double horizon =
         -std::sqrt(altitude * (2 * a.radius_ground_km + altitude)) / (a.radius_ground_km + altitude);
-    const std::vector<ZenithNode> nodes = zenith_nodes(settings.zeniths);
-    const std::vector<double> moments = cornette_shanks_moments(a.mie ? a.mie->g : 0, degree);
+    const size_t zeniths = settings.zeniths;
     const uint32_t layers = first_aerosol_layer + (settings.degree + 1) * settings.directions;
-    std::vector<float> weights(size_t(layers) * settings.zeniths);
-    // Of each order m: the harmonics of the directions that light leaves in.
-    std::vector<std::vector<double>> leaving;
+    std::vector<double> weights(layers * zeniths);
+    std::vector<double> arriving((settings.degree + 1) * (degree + 1) * zeniths);  // of each m and degree
+    for (const ZenithNode& fine : nodes) {
+        const double from = fine.zone < 2 ? horizon : 0, to = fine.zone == 0 ? -1 : fine.zone == 1 ? 0 : 1;
+        const double mu = from + (to - from) * fine.node.x * fine.node.x;
+        const double solid = 2 * fine.node.x * fine.node.weight * std::abs(to - from);
+        const double sine = std::sqrt((1 - mu) * (1 + mu));
+        const auto add = [&](std::vector<double>& sums, size_t row, double value) {
+            for (size_t j = 0; j < fine.through.size(); ++j)
+                sums[row * zeniths + fine.first + j] += solid * value * fine.through[j];
+        };
+        add(weights, 0, 1 / (4 * pi));
+        add(weights, 1, 0.125 / pi * (1.5 * mu * mu - 0.5));
+        add(weights, 2, 0.375 / pi * mu * sine);
+        add(weights, 3, 0.09375 / pi * sine * sine);
+        add(weights, irradiance_layer, fine.zone == 2 ? mu : 0);
+        for (uint32_t m = 0; m <= settings.degree; ++m) {
+            const std::vector<double> values = harmonics(m, degree, mu);
+            for (uint32_t l = m; l <= degree; ++l) add(arriving, m * (degree + 1) + l, values[l - m]);
+        }
+    }
+    const std::vector<double> moments = cornette_shanks_moments(a.mie ? a.mie->g : 0, degree);
     for (uint32_t m = 0; m <= settings.degree; ++m) {
         for (uint32_t k = 0; k < settings.directions; ++k) {
             const double y = double(k) / (settings.directions - 1) - 0.5;  // of direction_place()
-            leaving.push_back(harmonics(m, degree, std::sin(0.5 * pi * y / (1 - std::abs(y)))));
+            const std::vector<double> leaving =
+                harmonics(m, degree, std::sin(0.5 * pi * y / (1 - std::abs(y))));
+            double* const row = &weights[(first_aerosol_layer + m * settings.directions + k) * zeniths];
+            for (uint32_t l = m; l <= degree; ++l)
+                for (size_t j = 0; j < zeniths; ++j)
+                    row[j] += moments[l] * leaving[l - m] * arriving[(m * (degree + 1) + l) * zeniths + j];
         }
     }
-    for (uint32_t j = 0; j < settings.zeniths; ++j) {
-        const auto& [node, zone] = nodes[j];
-        const double from = zone < 2 ? horizon : 0, to = zone == 0 ? -1 : zone == 1 ? 0 : 1;
-        const double mu = from + (to - from) * node.x * node.x;
-        const double solid = 2 * node.x * node.weight * std::abs(to - from);
-        const double sine = std::sqrt((1 - mu) * (1 + mu));
-        const auto set = [&](uint32_t layer, double weight) {
-            weights[size_t(layer) * settings.zeniths + j] = float(solid * weight);
-        };
-        set(0, 1 / (4 * pi));
-        set(1, 0.125 / pi * (1.5 * mu * mu - 0.5));
-        set(2, 0.375 / pi * mu * sine);
-        set(3, 0.09375 / pi * sine * sine);
-        set(irradiance_layer, zone == 2 ? mu : 0);
-        for (uint32_t m = 0; m <= settings.degree; ++m) {
-            const std::vector<double> arriving = harmonics(m, degree, mu);
-            for (uint32_t k = 0; k < settings.directions; ++k) {
-                const uint32_t place = m * settings.directions + k;
-                double sum = 0;
-                for (uint32_t l = m; l <= degree; ++l)
-                    sum += moments[l] * arriving[l - m] * leaving[place][l - m];
-                set(first_aerosol_layer + place, sum);
-            }
-        }
-    }
-    return weights;
+    return {weights.begin(), weights.end()};
 }
 
-/// Orders 2 to 5 of light that aerosols scatter, as far as `orders` has them.
+/// Of the first four orders of light that aerosols scatter, as far as `orders` has them; a row of their irradiance follows.
 std::vector<glm::vec4> peak_table(const scene::Atmosphere& a, const Settings& settings) {
-    std::vector<glm::vec4> table(peak_texels, glm::vec4(0));
+    std::vector<glm::vec4> table(size_t(2) * peak_texels, glm::vec4(0));
     if (!a.mie) return table;
     const std::vector<double> moments = cornette_shanks_moments(a.mie->g, peak_moments);
-    const uint32_t last = settings.orders.value_or(5);
+    const uint32_t last = std::min(settings.orders.value_or(4), 4u);
     for (uint32_t i = 0; i < peak_texels; ++i) {
-        const double sine = double(i) / (peak_texels - 1);
-        for (uint32_t order = 2; order <= std::min(last, 5u); ++order)
-            table[i][int(order - 2)] = float(peak(moments, settings.degree, order, 1 - 2 * sine * sine));
+        const double sine = double(i) / (peak_texels - 1), nu = 1 - 2 * sine * sine;
+        for (uint32_t order = 1; order <= last; ++order) {
+            table[i][int(order - 1)] = float(peak(moments, settings.degree, order, nu));
+            table[peak_texels + i][int(order - 1)] =
+                float(peak_irradiance(moments, settings.degree, order, nu));
+        }
     }
     return table;
 }
@@ -228,8 +276,10 @@ Result<Tables> Tables::create(rhi::Device& device, const scene::Atmosphere& atmo
                               const Settings& settings) {
     Tables made;
     made.settings_ = settings;
+    made.aerosols_ = atmosphere.mie.has_value();
     const auto checked = check(atmosphere, settings);
     if (!checked) return tl::unexpected(checked.error());
+    made.settings_.iterations = std::max(settings.iterations, orders_before_series(atmosphere));
     made.block_ = make_block<Block>(atmosphere, settings);
     made.table_block_ = made.block_;
     set_quadrature(made.block_, settings.nodes);
@@ -239,17 +289,11 @@ Result<Tables> Tables::create(rhi::Device& device, const scene::Atmosphere& atmo
     if (!created) return tl::unexpected(created.error());
 
     made.steps_.emplace_back(Columns{});
-    const auto add_rows = [&](uint32_t order, Source source) {
+    for (uint32_t order = 1; order <= settings.orders.value_or(made.settings_.iterations); ++order)
         for (uint32_t row = 0; row < settings.altitudes; row += made.rows_per_step_)
             made.steps_.emplace_back(Rows{.order = order,
-                                          .source = source,
                                           .first = row,
                                           .count = std::min(made.rows_per_step_, settings.altitudes - row)});
-    };
-    add_rows(1, Source::sun_by_molecules);
-    if (atmosphere.mie) add_rows(1, Source::sun_by_aerosols);
-    for (uint32_t order = 2; order <= settings.orders.value_or(settings.iterations); ++order)
-        add_rows(order, Source::order_before);
     if (!settings.orders) made.steps_.emplace_back(Tail{});
     return made;
 }
@@ -291,19 +335,14 @@ Result<void> Tables::create_resources(rhi::Device& device, const scene::Atmosphe
     const uint32_t rings_per_row = settings_.suns * settings_.zeniths;
     const uint32_t rays_per_row = rings_per_row * settings_.azimuths;
     rows_per_step_ = std::clamp(rays_per_step / rays_per_row, 1u, settings_.altitudes);
-    std::vector<float> zeniths;
-    for (const ZenithNode& zenith : zenith_nodes(settings_.zeniths))
-        zeniths.insert(zeniths.end(), {float(zenith.node.x), float(zenith.zone)});
+    const std::vector<ZenithNode> nodes = zenith_nodes(settings_.zeniths);
     const std::vector<glm::vec4> peaks = peak_table(atmosphere, settings_);
-    std::array<std::vector<float>, 2> weights;
+    std::vector<float> weights;
     for (uint32_t row = 0; row < settings_.altitudes; ++row) {
         const double place = double(row) / (settings_.altitudes - 1);  // of altitude_place()
-        for (const auto& [degree, all] :
-             {std::pair{most_degrees, &weights[0]}, {settings_.degree, &weights[1]}}) {
-            const auto of_row =
-                gather_weights(atmosphere, settings_, atmosphere.height_km() * place * place, degree);
-            all->insert(all->end(), of_row.begin(), of_row.end());
-        }
+        const auto of_row =
+            gather_weights(atmosphere, settings_, nodes, atmosphere.height_km() * place * place);
+        weights.insert(weights.end(), of_row.begin(), of_row.end());
     }
     return made
         .and_then([&] {
@@ -315,7 +354,7 @@ Result<void> Tables::create_resources(rhi::Device& device, const scene::Atmosphe
         })
         .and_then([&] {
             return make_texture(
-                {.name = "atmosphere.peaks", .format = Format::rgba32_float, .extent = {peak_texels, 1}},
+                {.name = "atmosphere.peaks", .format = Format::rgba32_float, .extent = {peak_texels, 2}},
                 peaks_);
         })
         .and_then([&] {
@@ -328,9 +367,8 @@ Result<void> Tables::create_resources(rhi::Device& device, const scene::Atmosphe
             return make_buffer("atmosphere.rings",
                                uint64_t(4) * rows_per_step_ * rings_per_row * (settings_.degree + 1), rings_);
         })
-        .and_then([&] { return fill("atmosphere.zeniths", zeniths, zeniths_); })
-        .and_then([&] { return fill("atmosphere.weights", weights[0], weights_[0]); })
-        .and_then([&] { return fill("atmosphere.low_weights", weights[1], weights_[1]); })
+        .and_then([&] { return fill("atmosphere.zeniths", zenith_places(settings_.zeniths), zeniths_); })
+        .and_then([&] { return fill("atmosphere.weights", weights, weights_); })
         .and_then([&] { return keep(device.create_sampler({}), sampler_); });
 }
 
@@ -385,7 +423,13 @@ void Tables::record_rows(rhi::Commands& commands, const Rows& rows) const {
     const bool last = settings_.orders == rows.order;
     const uint32_t first_layer = last ? irradiance_layer : 0;
     const uint32_t layer_count = last ? 1 : layers();
-    const bool second_of_order = rows.source == Source::sun_by_aerosols;
+    // The sun's light that aerosols scattered forward n times, over n!.
+    const auto forward = [&](uint32_t n) {
+        constexpr std::array factors{1.0f, 1 / 2.0f, 1 / 6.0f};
+        glm::vec4 chosen(0);
+        if (aerosols_ && n >= 1 && n <= factors.size()) chosen[int(n - 1)] = factors[n - 1];
+        return chosen;
+    };
 
     rhi::Pass pass = commands.pass("atmosphere.order");
     pass.dispatch(rays_pipeline_,
@@ -399,9 +443,9 @@ void Tables::record_rows(rhi::Commands& commands, const Rows& rows) const {
                    .directions = glm::ivec2(settings_.zeniths, settings_.azimuths),
                    .first_row = int32_t(rows.first),
                    .rows = int32_t(rows.count),
-                   .first = glm::vec2(rows.source == Source::sun_by_molecules, second_of_order),
-                   .again = rows.source == Source::order_before,
-                   .ground = !second_of_order},
+                   .first = rows.order == 1,
+                   .forward = forward(rows.order - 1),
+                   .left_out = forward(rows.order)},
                   {rhi::groups_for(rings * settings_.azimuths, 64)});
     pass.dispatch(rings_pipeline_, {.rays = rays_.slice(), .rings = rings_.slice()},
                   {.rings = int32_t(rings),
@@ -410,7 +454,7 @@ void Tables::record_rows(rhi::Commands& commands, const Rows& rows) const {
                   {rhi::groups_for(rings * (settings_.degree + 1), 64)});
     pass.dispatch(gather_pipeline_,
                   {.rings = rings_.slice(),
-                   .weights = weights_[second_of_order ? 1 : 0].slice(),
+                   .weights = weights_.slice(),
                    .light = light_of(rows.order).mip<Dimension::d2_array>(0),
                    .sum = sum_.mip<Dimension::d2_array>(0)},
                   {.size = size,
@@ -422,8 +466,7 @@ void Tables::record_rows(rhi::Commands& commands, const Rows& rows) const {
                    .zeniths = int32_t(settings_.zeniths),
                    .degree = int32_t(settings_.degree),
                    .directions = int32_t(settings_.directions),
-                   .add = second_of_order,
-                   .add_to_sum = rows.order > 1 || second_of_order},
+                   .add = rows.order > 1},
                   {rhi::groups_for(texels * layer_count, 64)});
 }
 
@@ -439,9 +482,8 @@ void Tables::record_tail(rhi::Commands& commands) const {
 
 uint64_t Tables::bytes() const {
     const uint64_t table = uint64_t(settings_.suns) * settings_.altitudes * layers();
-    const uint64_t texels = 3 * table + uint64_t(settings_.columns) * settings_.columns + peak_texels;
-    return texels * sizeof(glm::vec4) + rays_.size() + rings_.size() + zeniths_.size() + weights_[0].size() +
-           weights_[1].size();
+    const uint64_t texels = 3 * table + uint64_t(settings_.columns) * settings_.columns + 2 * peak_texels;
+    return texels * sizeof(glm::vec4) + rays_.size() + rings_.size() + zeniths_.size() + weights_.size();
 }
 
 Result<void> precompute(rhi::Device& device, const Tables& tables,

@@ -28,7 +28,7 @@ struct Settings {
     /// Of scattering and reflection by the ground together, 1 and up; none: all, of which the first `iterations` are
     /// computed and the rest is a geometric series.
     std::optional<uint32_t> orders = {};
-    uint32_t iterations = 6;  ///< 2 and up
+    uint32_t iterations = 6;  ///< 2 and up; up to 100 in air so thick that the series would need as many
 
     uint32_t columns = 256;    ///< side of the table of columns, 16 to 1024
     uint32_t altitudes = 32;   ///< of the tables of scattered light, 2 to 512
@@ -72,6 +72,7 @@ class Tables {
     /// within a few km.
     Sky sky(rhi::Commands& commands, std::optional<uint32_t> nodes = {}) const;
 
+    /// As given, but for `iterations`: as many as there are.
     const Settings& settings() const { return settings_; }
     /// Of the device's memory that is held.
     uint64_t bytes() const;
@@ -85,12 +86,8 @@ class Tables {
 
   private:
     struct Columns {};
-    /// What lights the rays.
-    enum class Source : uint8_t { sun_by_molecules, sun_by_aerosols, order_before };
     struct Rows {
-        uint32_t order;
-        Source source;
-        uint32_t first, count;
+        uint32_t order, first, count;
     };
     struct Tail {};
     using Step = std::variant<Columns, Rows, Tail>;
@@ -113,8 +110,8 @@ class Tables {
     rhi::Texture columns_, peaks_;
     std::array<rhi::Texture, 2> orders_;  ///< of the last two orders, in turn
     rhi::Texture sum_;
-    rhi::Buffer zeniths_, rays_, rings_;
-    std::array<rhi::Buffer, 2> weights_;  ///< of a gather: all of the phase function, its lower degrees
+    rhi::Buffer zeniths_, weights_, rays_, rings_;
+    bool aerosols_ = false;
     rhi::Sampler sampler_;
     rhi::ComputePipeline<shaders::atmosphere::columns> columns_pipeline_;
     rhi::ComputePipeline<shaders::atmosphere::rays> rays_pipeline_;

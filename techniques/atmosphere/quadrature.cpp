@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace lumo::atmosphere {
 
@@ -28,6 +29,23 @@ std::vector<Node> gauss_legendre(uint32_t count) {
     return nodes;
 }
 
+/// A sum over Legendre's polynomials, which are orthogonal under the rule too.
+std::vector<double> interpolation(std::span<const Node> rule, double x) {
+    std::vector<double> values(rule.size(), 0);
+    for (size_t i = 0; i < rule.size(); ++i) {
+        double here = 1, here_before = 0, there = 1, there_before = 0;
+        for (size_t l = 0; l < rule.size(); ++l) {
+            values[i] += rule[i].weight * double(2 * l + 1) * here * there;
+            const auto next = [l](double y, double p, double before) {
+                return (double(2 * l + 1) * (2 * y - 1) * p - double(l) * before) / double(l + 1);
+            };
+            here_before = std::exchange(here, next(x, here, here_before));
+            there_before = std::exchange(there, next(rule[i].x, there, there_before));
+        }
+    }
+    return values;
+}
+
 /// Henyey and Greenstein's are g^l; times nu² by the recurrence of Legendre's polynomials, twice.
 std::vector<double> cornette_shanks_moments(double g, uint32_t degree) {
     std::vector<double> lobe(degree + 3);
@@ -44,16 +62,42 @@ std::vector<double> cornette_shanks_moments(double g, uint32_t degree) {
     return moments;
 }
 
-double peak(const std::vector<double>& moments, uint32_t degree, uint32_t power, double nu) {
+namespace {
+
+/// The sum of factor(l) P_l(nu) over the degrees from `first` to below `end`.
+template <class F>
+double legendre_series(size_t first, size_t end, double nu, const F& factor) {
     double p = 1, before = 0, sum = 0;
-    for (size_t l = 0; l < moments.size(); ++l) {
-        if (l > degree)
-            sum += double(2 * l + 1) / (4 * std::numbers::pi) * std::pow(moments[l], double(power)) * p;
+    for (size_t l = 0; l < end; ++l) {
+        if (l >= first) sum += factor(l) * p;
         const double next = (double(2 * l + 1) * nu * p - double(l) * before) / double(l + 1);
         before = p;
         p = next;
     }
     return sum;
+}
+
+}  // namespace
+
+double peak(const std::vector<double>& moments, uint32_t degree, uint32_t power, double nu) {
+    return legendre_series(degree + 1, moments.size(), nu, [&](size_t l) {
+        return double(2 * l + 1) / (4 * std::numbers::pi) * std::pow(moments[l], double(power));
+    });
+}
+
+/// The cosine over a hemisphere has the degrees 0, 1 and, falling by their recurrence, the even ones; a convolution
+/// multiplies (Ramamoorthi and Hanrahan 2001, An Efficient Representation for Irradiance Environment Maps, equation 8).
+double peak_irradiance(const std::vector<double>& moments, uint32_t degree, uint32_t power, double nu) {
+    std::vector<double> cosine(moments.size(), 0);  // integrals of mu P_l(mu) over [0, 1]
+    double even = 0.5;
+    for (size_t l = 0; l < cosine.size(); l += 2) {
+        cosine[l] = even;
+        even *= -(double(l) - 1) / (double(l) + 4);
+    }
+    if (cosine.size() > 1) cosine[1] = 1.0 / 3;
+    return legendre_series(degree + 1, moments.size(), nu, [&](size_t l) {
+        return 0.5 * double(2 * l + 1) * cosine[l] * std::pow(moments[l], double(power));
+    });
 }
 
 /// By the recurrence in the degree, which is stable upward.

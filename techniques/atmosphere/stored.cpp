@@ -48,8 +48,7 @@ Result<std::vector<std::byte>> Tables::recipe(rhi::Device& device) const {
              std::as_bytes(std::span(&block_, 1)), std::as_bytes(std::span(&table_block_, 1))})
         all.insert(all.end(), part.begin(), part.end());
     return append(all, device.download(zeniths_.slice()))
-        .and_then([&] { return append(all, device.download(weights_[0].slice())); })
-        .and_then([&] { return append(all, device.download(weights_[1].slice())); })
+        .and_then([&] { return append(all, device.download(weights_.slice())); })
         .and_then([&] { return append(all, device.download(peaks_, rhi::whole_mip(peaks_.desc()))); })
         .map([&] { return std::move(all); });
 }

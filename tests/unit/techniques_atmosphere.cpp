@@ -37,6 +37,21 @@ TEST(AtmosphereQuadrature, GaussIsExactForPolynomialsOfTwiceTheDegree) {
     }
 }
 
+TEST(AtmosphereQuadrature, InterpolationIsExactForPolynomialsOfLowerDegree) {
+    for (const uint32_t count : {1u, 3u, 8u, 24u}) {
+        const std::vector<Node> rule = gauss_legendre(count);
+        for (const double x : {0.0, 0.01, 0.4, rule.back().x, 1.0}) {
+            const std::vector<double> values = interpolation(rule, x);
+            ASSERT_EQ(values.size(), count);
+            for (uint32_t power = 0; power < count; ++power) {
+                double sum = 0;
+                for (uint32_t i = 0; i < count; ++i) sum += values[i] * std::pow(rule[i].x, power);
+                EXPECT_NEAR(sum, std::pow(x, power), 1e-11) << count << ", " << x << "^" << power;
+            }
+        }
+    }
+}
+
 TEST(AtmosphereQuadrature, MomentsAreIntegralsOfThePhaseFunction) {
     for (const double g : {-0.5, 0.0, 0.3, 0.8}) {
         const std::vector<double> moments = cornette_shanks_moments(g, 20);
@@ -82,6 +97,24 @@ TEST(AtmosphereQuadrature, LowDegreesAndPeakAddUp) {
         const double sixth =
             over_cosines([&](double nu) { return peak(moments, 5, power, nu) * std::legendre(6, nu); });
         EXPECT_NEAR(2 * pi * sixth, std::pow(moments[6], power), 1e-11);
+    }
+}
+
+TEST(AtmosphereQuadrature, PeakIrradianceIsTheIntegralOfThePeak) {
+    const std::vector<double> moments = cornette_shanks_moments(0.7, 60);
+    const std::vector<Node> rule = gauss_legendre(40);
+    for (const double mu_peak : {-0.6, 0.0, 0.3, 1.0}) {
+        for (const uint32_t power : {1u, 3u}) {
+            double sum = 0;
+            for (const Node& cosine : rule) {
+                for (int k = 0; k < 80; ++k) {
+                    const double sines = std::sqrt((1 - cosine.x * cosine.x) * (1 - mu_peak * mu_peak));
+                    const double nu = cosine.x * mu_peak + sines * std::cos(2 * pi * k / 80);
+                    sum += 2 * pi / 80 * cosine.weight * cosine.x * peak(moments, 3, power, nu);
+                }
+            }
+            EXPECT_NEAR(peak_irradiance(moments, 3, power, mu_peak), sum, 1e-5) << mu_peak << ", " << power;
+        }
     }
 }
 
