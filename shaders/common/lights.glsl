@@ -14,7 +14,7 @@ layout(std140, binding = LIGHTS) uniform Lights {
     vec4 direction[max_lights];          // of a directional light toward it, of a spot light its axis; unit length
     vec4 cone[max_lights];               // x, y: scale and offset of the axis' cosine; z: first camera; w: cameras
     mat4 clip_from_world[max_light_cameras];
-    vec4 camera_axis[max_light_cameras]; // toward the camera, unit length; w: reach of the filter, metres per clip w
+    vec4 camera_axis[max_light_cameras]; // toward the camera, unit length
     int count;
     float size;                          // texels a side
     float depth_offset;                  // of a map's depth range
@@ -56,24 +56,34 @@ int light_camera(int light, vec3 position) {
     return first + 2 * axis + (along < 0 ? 1 : 0);
 }
 
+// Change of depth over a plane, per texel of a map; `clip` is a point of it.
+vec2 depth_slope(mat4 clip_from_world, vec4 clip, vec3 normal) {
+    vec3 u = cross(normal, abs(normal.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0));
+    vec4 along_u = transform(clip_from_world, vec4(u, 0));
+    vec4 along_v = transform(clip_from_world, vec4(cross(normal, u), 0));
+    vec3 ndc = clip.xyz / clip.w;
+    vec3 du = along_u.xyz - ndc * along_u.w;
+    vec3 dv = along_v.xyz - ndc * along_v.w;
+    float area = du.x * dv.y - du.y * dv.x;
+    vec2 slope = vec2(du.z * dv.y - dv.z * du.y, dv.z * du.x - du.z * dv.x) / area;
+    return 2.0 / lights.size * slope;
+}
+
 // 0 in shadow to 1 in light: 3 x 3 comparisons weighted by a box of two texels about the point, which makes the
 // result continuous. Beside the map nothing casts.
 //
-// The map's depth is unbiased, so that others can take positions from it. The receiver is moved along its normal
-// instead. A tap d away, in the plane through the receiver that faces the camera, sees a plane at angle t to it
-// d tan t nearer; moving by o along the normal gains o / cos t; so o = d sin t is enough, exactly for a directional
-// light and with something to spare in perspective, where d grows with clip w. It is at most 1.5 texels along each axis.
+// The map's depth is unbiased, so that others can take positions from it. Instead each tap compares with the depth that
+// the receiver's own plane has there, where that is nearer to the light: a plane does not shadow itself at any angle,
+// while what stands out of it by a texel does. Half a texel of slope more is for what the plane is not: a curve, or a
+// facet with a smooth normal.
 float light_visibility(int light, vec3 position, vec3 normal) {
     int index = light_camera(light, position);
-    vec4 axis = lights.camera_axis[index];
     mat4 clip_from_world = lights.clip_from_world[index];
-    float cosine = clamp(dot(normal, axis.xyz), -1, 1);
-    float clip_w = transform(clip_from_world, vec4(position, 1)).w;
-    vec3 receiver = position + normal * (axis.w * clip_w * sqrt(1 - cosine * cosine));
-    vec4 clip = transform(clip_from_world, vec4(receiver, 1));
+    vec4 clip = transform(clip_from_world, vec4(position, 1));
     if (clip.w <= 0) return 1.0;
+    vec2 slope = depth_slope(clip_from_world, clip, normal);
     vec2 texel = (0.5 * (clip.xy / clip.w) + 0.5) * lights.size;
-    float depth = clip.z / clip.w - lights.depth_offset;
+    float depth = clip.z / clip.w - lights.depth_offset - 0.5 * (abs(slope.x) + abs(slope.y));
 
     // The box covers part of the first row of texels, all of the second and the rest of the third.
     vec2 corner = floor(texel);
@@ -88,7 +98,8 @@ float light_visibility(int light, vec3 position, vec3 normal) {
             ivec2 at = first + ivec2(x, y);
             bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThanEqual(at, last_texel));
             float occluder = inside ? texelFetch(shadow_maps, ivec3(at, index), 0).x : 1.0;
-            sum += weight_x[x] * weight_y[y] * (depth <= occluder ? 1.0 : 0.0);
+            float nearer = min(dot(slope, vec2(at) + 0.5 - texel), 0.0);
+            sum += weight_x[x] * weight_y[y] * (depth + nearer <= occluder ? 1.0 : 0.0);
         }
     }
     return 0.25 * sum;

@@ -47,9 +47,7 @@ Block block_of(const View& view) {
         block.cone[i] = glm::vec4(scale, spot ? -outer * scale : 1, first_camera, cameras.size());
         for (size_t c = 0; c < cameras.size(); ++c) {
             block.clip_from_world[first_camera + c] = cameras[c].clip_from_world;
-            // Taps reach 1.5 texels along each axis (shaders/common/lights.glsl).
-            block.camera_axis[first_camera + c] =
-                glm::vec4(cameras[c].toward_light, 1.5f * glm::length(cameras[c].texel_size));
+            block.camera_axis[first_camera + c] = glm::vec4(cameras[c].toward_light, 0);
         }
     }
     return block;

@@ -57,7 +57,7 @@ TEST_P(LightingTest, PlanesDoNotShadowThemselves) {
         }
 }
 
-/// A curved surface, in facets, has no acne either: within the reach of the normal offset.
+/// A curved surface, in facets, has no acne either.
 TEST_P(LightingTest, FacetsDoNotShadowThemselves) {
     scene::Scene scene;
     constexpr int strips = 48;  // of a half cylinder of radius 2 along z
@@ -130,6 +130,45 @@ TEST_P(LightingTest, ShadowOfAnOccluderLiesWhereItShould) {
         }
     EXPECT_GT(in_shadow, 50);
     EXPECT_GT(in_light, 1000);
+}
+
+/// What stands out of a plane by two texels of the map shadows it under a sun that grazes it, to a texel.
+TEST_P(LightingTest, LowRidgesCastLongShadows) {
+    constexpr double elevation = 10 * M_PI / 180, height = 0.0113;  // metres
+    scene::Scene scene;
+    scene::Material two_sided;
+    two_sided.double_sided = true;
+    add_floor(scene, 4);
+    add_quad(scene, {0, height / 2, 0}, {0, 0, -4}, {0, height / 2, 0}, two_sided);
+    scene::Camera camera = from_above(2);
+    camera.orthographic_height = 1;
+    const RenderedTargets targets = render(device(), scene, camera,
+                                           {.size = size,
+                                            .sun = Sun{sun_at(elevation, 0), glm::vec3(1)},
+                                            .diffuse_materials = true,
+                                            .shadow = {.resolution = 256}});
+    const double texel = double(targets.light.texel_size.y);  // across the rays, in their vertical plane
+    EXPECT_NEAR(height * std::cos(elevation), 2 * texel, 0.1 * texel);
+    const double full = std::sin(elevation) / M_PI;
+    double shadow = 0;  // its length, metres
+    for (uint32_t y = 0; y < size.height; ++y)
+        for (uint32_t x = 0; x < size.width; ++x)
+            shadow += (1 - double(targets.direct.at(x, y).x) / full) / (size.height * size.height);
+    EXPECT_NEAR(shadow, height / std::tan(elevation), texel / std::sin(elevation));
+}
+
+/// However a normal map bends its normals, a surface is dark where it faces away.
+TEST_P(LightingTest, BentNormalsSeeNoLightBehindTheSurface) {
+    scene::Scene scene;
+    scene::Material bumpy;
+    bumpy.normal_texture = add_texel(scene, {255, 128, 128, 255});
+    add_floor(scene, 2, bumpy);
+    for (const float height : {0.2f, -0.2f}) {
+        const RenderedTargets targets =
+            render(device(), scene, from_above(3),
+                   {.size = size, .sun = Sun{glm::normalize(glm::vec3(1, height, 0)), glm::vec3(1)}});
+        EXPECT_EQ(targets.direct.at(48, 32).x > 0.1f, height > 0) << height;
+    }
 }
 
 /// Cut-out parts of a masked surface let the sun through, and blended surfaces cast nothing.
