@@ -14,33 +14,15 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// Generators of a lattice sequence, for up to 2^20 points (Cools, Kuo and Nuyens 2006, Constructing embedded lattice
-/// rules for multivariate integration; order 2).
-constexpr std::array<uint32_t, 32> generators{1,      182667, 469891, 498753, 110745, 446247, 250185, 118627,
-                                              245333, 283199, 408519, 391023, 246327, 126539, 399185, 461527,
-                                              300343, 69681,  516695, 436179, 106383, 238523, 413283, 70841,
-                                              47719,  300129, 113029, 123925, 410745, 211325, 17489,  511893};
-
-/// The numbers of one sample: a point of a lattice with a random offset; independent numbers beyond its dimensions.
+/// The numbers of one sample, in order.
 class Numbers {
   public:
-    Numbers(uint32_t stream, uint32_t index, uint32_t count)
-        : stream_(stream), index_(index), count_(count) {}
+    Numbers(uint32_t stream, uint32_t index) : sampler_(stream, index) {}
 
-    double next() {  // in (0, 1)
-        const uint32_t dimension = dimension_++;
-        if (dimension >= generators.size()) return to_unit(hash(hash(stream_, index_), dimension));
-        const uint32_t step = index_ * generators[dimension] & (count_ - 1);  // count_ is a power of two
-        const double x = double(step) / count_ + to_unit(hash(stream_, dimension));
-        return std::min(x < 1 ? x : x - 1, 1 - 0x1p-53);
-    }
-    glm::dvec2 pair() {
-        const double x = next();
-        return {x, next()};
-    }
+    glm::dvec2 pair() { return sampler_.pair(dimension_++); }
 
   private:
-    uint32_t stream_, index_, count_;
+    Sampler sampler_;
     uint32_t dimension_ = 0;
 };
 
@@ -69,19 +51,21 @@ class Walk {
         throughput_.assign(optics_.wavelengths(), factor);
         for (uint32_t order = 1; order <= settings_.last_order; ++order) {
             const double nu = glm::dot(along, to_sun_);
+            const glm::dvec2 u = numbers.pair();
             if (!comb_.march({.start = {at.h, std::clamp(glm::dot(at.up, along), -1.0, 1.0)},
                               .mu_sun = glm::dot(at.up, to_sun_),
                               .nu = nu,
                               .longest_km = longest_km,
                               .from_ground = at.ground},
-                             numbers.next()))
+                             u.x))
                 return;
             longest_km = std::numeric_limits<double>::infinity();
             const bool ground = comb_.reaches_ground() && order > 1;
             if (order >= settings_.first_order) add_sunlight(nu, ground, sum);
-            if (order == settings_.last_order || !survives(order, numbers)) return;
-            if (!move(at, along, ground, numbers.next())) return;
-            along = at.ground ? reflect(at, numbers) : scatter(at, along, numbers);
+            if (order == settings_.last_order || !move(at, along, ground, u.y)) return;
+            const glm::dvec2 choice = numbers.pair();  // of a technique; by roulette
+            if (!survives(order, choice.y)) return;
+            along = at.ground ? reflect(at, choice.x, numbers) : scatter(at, along, choice.x, numbers);
         }
     }
 
@@ -162,9 +146,8 @@ class Walk {
         return {level / length, glm::cross(at.up, level / length), at.up};
     }
 
-    glm::dvec3 reflect(const Vertex& at, Numbers& numbers) {
+    glm::dvec3 reflect(const Vertex& at, double technique, Numbers& numbers) {
         const LightGuide::Lobe lobe = guide_.lobe(at.h, glm::dot(at.up, to_sun_));
-        const double technique = numbers.next();
         const glm::dvec2 u = numbers.pair();
         const glm::dvec3 local = technique < 0.5 ? lobe.sample(u) : cosine_direction(u);
         const double cosine = std::max(local.z, 0.0);
@@ -174,7 +157,7 @@ class Walk {
         return glm::normalize(frame_at(at) * local);
     }
 
-    glm::dvec3 scatter(const Vertex& at, glm::dvec3 along, Numbers& numbers) {
+    glm::dvec3 scatter(const Vertex& at, glm::dvec3 along, double technique, Numbers& numbers) {
         const LightGuide::Lobe lobe = guide_.lobe(at.h, glm::dot(at.up, to_sun_));
         const glm::dmat3 frame = frame_at(at);
         double by_mie = 0;
@@ -183,7 +166,6 @@ class Walk {
                       double(throughput_.size());
         const double g = a_.mie ? a_.mie->g : 0;
         constexpr double guided = 0.7;
-        const double technique = numbers.next();
         const glm::dvec2 u = numbers.pair();
         glm::dvec3 next;
         if (technique < guided)
@@ -202,10 +184,10 @@ class Walk {
     }
 
     /// Russian roulette with one chance for all paths: what they carry is bounded, and little is left of it.
-    bool survives(uint32_t order, Numbers& numbers) {
+    bool survives(uint32_t order, double u) {
         if (order < certain_orders) return true;
         constexpr double chance = 0.85;
-        if (numbers.next() >= chance) return false;
+        if (u >= chance) return false;
         for (double& part : throughput_) part /= chance;
         return true;
     }
@@ -219,18 +201,18 @@ class Walk {
     Spectrum throughput_ = {};
 };
 
-/// The mean of what `sample` adds, over the lattices.
+/// The mean of what `sample` adds, over the streams.
 template <class F>
 Estimate mean_of(size_t wavelengths, const PathSettings& settings, const F& sample) {
-    constexpr uint32_t lattices = 16, most = 1u << 20;
-    const uint32_t count = std::min(std::bit_floor(std::max(settings.samples / lattices, 1u)), most);
+    constexpr uint32_t streams = 16;
+    const uint32_t count = std::bit_floor(std::max(settings.samples / streams, 1u));
     const auto seed = hash(uint32_t(settings.seed), uint32_t(settings.seed >> 32));
     Estimate sums{.mean = Spectrum(wavelengths, 0), .error = Spectrum(wavelengths, 0)};
     Spectrum one(wavelengths);
-    for (uint32_t lattice = 0; lattice < lattices; ++lattice) {
+    for (uint32_t stream = 0; stream < streams; ++stream) {
         std::ranges::fill(one, 0);
         for (uint32_t s = 0; s < count; ++s) {
-            Numbers numbers(hash(seed, lattice), s, count);
+            Numbers numbers(hash(seed, stream), s);
             sample(numbers, one);
         }
         for (size_t i = 0; i < wavelengths; ++i) {
@@ -239,9 +221,9 @@ Estimate mean_of(size_t wavelengths, const PathSettings& settings, const F& samp
         }
     }
     for (size_t i = 0; i < wavelengths; ++i) {
-        sums.mean[i] /= lattices;
-        const double variance = std::max(sums.error[i] / lattices - sums.mean[i] * sums.mean[i], 0.0);
-        sums.error[i] = std::sqrt(variance / (lattices - 1));
+        sums.mean[i] /= streams;
+        const double variance = std::max(sums.error[i] / streams - sums.mean[i] * sums.mean[i], 0.0);
+        sums.error[i] = std::sqrt(variance / (streams - 1));
     }
     return sums;
 }
@@ -265,7 +247,7 @@ Estimate GuidedPaths::sky_irradiance(const SkyView& view, const PathSettings& se
     Walk walk(optics_, columns_, guide_, to_sun, settings);
     const LightGuide::Lobe lobe = guide_.lobe(view.altitude_km, to_sun.z);
     return mean_of(optics_.wavelengths(), settings, [&](Numbers& numbers, Spectrum& sum) {
-        const bool guided = numbers.next() < 0.5;
+        const bool guided = numbers.pair().x < 0.5;
         const glm::dvec2 u = numbers.pair();
         const glm::dvec3 along = guided ? lobe.sample(u) : cosine_direction(u);
         if (along.z <= 0) return;

@@ -9,15 +9,15 @@ namespace lumo::reference {
 /// What radiance() and sky_irradiance() of atmosphere_light.hpp estimate, with a thousandth to a tenth of the variance
 /// for the same time, where the sun is low: sunlight is integrated along each ray by a comb instead of asked for at one
 /// point; rays go on from a point of the comb, in proportion to the light that arrives there, toward where it comes
-/// from (LightGuide); and samples are points of a lattice. Making one takes about a second. Objects do not change: any
+/// from (LightGuide); and samples have low discrepancy. Making one takes about a second. Objects do not change: any
 /// number of threads may ask.
 class GuidedPaths {
   public:
     /// Keeps a reference to `optics`.
     explicit GuidedPaths(const AtmosphereOptics& optics);
 
-    /// Samples are those of 16 lattices with random offsets, of as many points each as a power of two allows; the error
-    /// is that of the mean of their means.
+    /// Samples are those of 16 streams of Sampler, of as many each as a power of two allows; the error is that of the
+    /// mean of their means.
     Estimate radiance(const SkyView& view, const PathSettings& settings) const;
     Estimate sky_irradiance(const SkyView& view, const PathSettings& settings) const;
 
