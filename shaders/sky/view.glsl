@@ -40,18 +40,16 @@ vec4 radiance_from(vec3 direction) {
     return radiance;
 }
 
-// Spectral radiance of the sun's disc, its edge softened over `pixel` radians. Its limb is darker (Hestroffer and Magnan
-// 1998, Wavelength dependency of the Solar limb darkening): cosine^limb, over its mean over the disc.
+// Spectral radiance of the sun's disc, as a mean over a square of `pixel` radians has it: spread so far that its second
+// moment grows by that of the square, and dimmer by as much. Its limb is darker (Hestroffer and Magnan 1998, Wavelength
+// dependency of the Solar limb darkening): cosine^limb, over its mean over the disc.
 vec4 sun_disc(vec3 direction, float pixel) {
-    vec3 aside = direction - sky.to_sun;
-    float distance = sqrt(dot(aside, aside));  // the chord is the arc to 1e-5 where the disc is
-    float covered = clamp((sky.sun_radius - distance) / max(pixel, 1e-7) + 0.5, 0.0, 1.0);
+    vec3 aside = direction - sky.to_sun;  // the chord is the arc to 1e-5 where the disc is
+    float spread = sky.sun_radius * sky.sun_radius + pixel * pixel / 3.0;
+    float cosine_squared = 1.0 - dot(aside, aside) / max(spread, 1e-20);
     vec4 radiance = vec4(0);
-    if (covered > 0.0 && sky.sun_radius > 0.0) {
-        float part = distance / sky.sun_radius;
-        float cosine = sqrt(max(1.0 - part * part, 1e-4));
-        radiance = covered * air.sun_irradiance / (pi * sky.sun_radius * sky.sun_radius) * (0.5 * sky.limb + 1.0) *
-                   pow(vec4(cosine), sky.limb) *
+    if (cosine_squared > 0.0 && sky.sun_radius > 0.0) {
+        radiance = air.sun_irradiance / (pi * spread) * (0.5 * sky.limb + 1.0) * pow(vec4(cosine_squared), 0.5 * sky.limb) *
                    transmittance_to_space(sky.altitude, clamp(dot(direction, sky.up), -1.0, 1.0));
     }
     return radiance;

@@ -232,6 +232,28 @@ TEST_P(SkyTest, AirLiesBeforeSurfaces) {
     }
 }
 
+/// Also where pixels are as large as the disc, in the mean over where they lie.
+TEST_P(SkyTest, SunsDiscIsNotLostBetweenPixels) {
+    constexpr uint32_t side = 8, looks = 6;
+    Window window(device(), {side, side});
+    const double zenith = 20;
+    const scene::Sky sky{.direction_to_sun = sun_at(zenith)};
+    const glm::dvec3 irradiance(scene::sun_light(sky).intensity);
+    for (const double pixel_deg : {0.1, 0.3, 0.6}) {
+        SCOPED_TRACE(pixel_deg);
+        const double fov = 2 * std::atan(0.5 * side * pixel_deg * degree) / degree;
+        glm::dvec3 sum(0);
+        for (uint32_t i = 0; i < looks * looks; ++i) {
+            const glm::dvec2 offset = (glm::dvec2(i % looks, i / looks) + 0.5) / double(looks) * pixel_deg;
+            const Picture seen = window.look(
+                sky, camera_at(0.1, zenith + offset.x, offset.y / std::sin(zenith * degree), fov));
+            for (const glm::vec4& texel : seen.texels) sum += glm::dvec3(texel - seen.texels[0]);
+        }
+        // Some hundred samples of a disc with a sharp edge.
+        expect_near(sum * std::pow(pixel_deg * degree, 2) / double(looks * looks), irradiance, 0.03);
+    }
+}
+
 /// A wall of light across the view, 20 km away, which hides so much of what lies behind it.
 scene::Scene wall_of_light(float opacity, scene::Atmosphere air = scene::earth()) {
     scene::Scene scene;
@@ -250,20 +272,19 @@ TEST_P(SkyTest, AirLiesBeforeBlendedSurfaces) {
         const scene::Scene scene = wall_of_light(opacity);
         frame::Settings settings{.size = {2, 1},
                                  .gi = gi,
+                                 .diffuse_materials = true,
                                  .layers = {Layer::radiance},
                                  .voxels = {.resolution = 16},
                                  .sky = quick()};
         const auto rendered = must(frame::render(device(), scene, camera_at(1, 90), settings));
         return pixel(rendered.layers[0].linear, 0, 0);
     };
-    for (const bool gi : {false, true}) {
-        SCOPED_TRACE(gi);
-        // Thick but for a part that no float tells from none, it is as an opaque one; else a mean of that and nothing.
-        const glm::dvec3 opaque = seen(1, gi), blended = seen(0.999999f, gi), clear = seen(0, gi);
-        expect_near(blended, opaque, 1e-5);
-        expect_near(seen(0.25f, gi), 0.25 * opaque + 0.75 * clear, 1e-5);
-    }
-    EXPECT_GT(glm::distance(seen(1, false), glm::dvec3(3, 2, 1)), 1) << "the air is seen at all";
+    // Thick but for a part that no float tells from none, it is as an opaque one; else a mean of that and nothing.
+    const glm::dvec3 opaque = seen(1, false), clear = seen(0, false);
+    expect_near(seen(0.999999f, false), opaque, 1e-5);
+    expect_near(seen(0.25f, false), 0.25 * opaque + 0.75 * clear, 1e-5);
+    expect_near(seen(0.999999f, true), seen(1, true), 1e-5);
+    EXPECT_GT(glm::distance(opaque, glm::dvec3(3, 2, 1)), 1) << "the air is seen at all";
 }
 
 /// Six wavelengths are two sets of tables; the air of both is one.
