@@ -86,14 +86,26 @@ class Renderer {
     Renderer(const Options& options, Product product, std::vector<rhi::Device>& devices, Progress& progress)
         : options_(options), product_(std::move(product)), devices_(devices), progress_(progress) {}
 
+    /// Before the first frame.
+    Result<void> prepare_sky(const scene::Scene& scene) {
+        for (rhi::Device& device : devices_) {
+            auto tables = sky_tables(device, scene, options_);
+            if (!tables) return tl::unexpected(tables.error());
+            settings_.push_back(product_.settings);
+            settings_.back().sky.made = std::move(*tables);
+        }
+        return {};
+    }
+
     /// Renders one frame on every device, and writes all that belongs to it; whether the devices agree.
     Result<bool> render(const scene::Scene& scene, const scene::Camera& camera, std::string_view number) {
         std::vector<Picture> pictures;
-        for (rhi::Device& device : devices_) {
+        for (size_t i = 0; i < devices_.size(); ++i) {
+            rhi::Device& device = devices_[i];
             const rhi::DeviceInfo& info = device.info();
             progress_.next(fmt::format("{} {}", to_string(info.api), number));
             const auto rendered =
-                capture_once([&] { return frame::render(device, scene, camera, product_.settings); });
+                capture_once([&] { return frame::render(device, scene, camera, settings_[i]); });
             if (!rendered) return tl::unexpected(rendered.error());
             progress_.clear();
             if (options_.explain && !std::exchange(explained_, true))
@@ -155,6 +167,7 @@ class Renderer {
     Product product_;
     std::vector<rhi::Device>& devices_;
     Progress& progress_;
+    std::vector<frame::Settings> settings_;  ///< of each device: its tables of the sky
     bool explained_ = false;
     bool captured_ = false;
 };
@@ -189,10 +202,8 @@ Result<bool> render_on_devices(const Options& options, const Product& product, s
     {
         auto devices = open_devices(options, failures);
         if (!devices) return tl::unexpected(devices.error());
-        for (rhi::Device& device : *devices)
-            if (const Result<void> done = prepare_sky(device, scene, options); !done)
-                return tl::unexpected(done.error());
         Renderer renderer(options, product, *devices, progress);
+        if (const Result<void> done = renderer.prepare_sky(scene); !done) return tl::unexpected(done.error());
         agreed = render_all(options, scene, camera,
                             [&](const scene::Scene& lit, const scene::Camera& view, std::string_view number) {
                                 return renderer.render(lit, view, number);

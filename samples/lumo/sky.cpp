@@ -1,7 +1,5 @@
 #include "samples/lumo/sky.hpp"
 
-#include <vector>
-
 #include "samples/lumo/open_devices.hpp"
 #include "samples/lumo/progress.hpp"
 #include "techniques/atmosphere/stored.hpp"
@@ -9,21 +7,22 @@
 
 namespace lumo::program {
 
-Result<void> prepare_sky(rhi::Device& device, const scene::Scene& scene, const Options& options) {
+using TablesOfSky = std::shared_ptr<const std::vector<atmosphere::Tables>>;
+
+Result<TablesOfSky> sky_tables(rhi::Device& device, const scene::Scene& scene, const Options& options) {
     if (!scene.sky) return {};
-    const std::vector<scene::Atmosphere> parts = atmosphere::by_fours(scene.sky->atmosphere);
     constexpr int steps = 100;
-    Progress progress(int(parts.size()) * steps, options.quiet);
-    for (const scene::Atmosphere& part : parts) {
-        int shown = 0;
-        const auto tables = atmosphere::stored_or_precomputed(device, part, options.frame.sky.tables,
-                                                              rhi::DiskCache::of_user(), [&](double done) {
-                                                                  for (; shown < int(done * steps); ++shown)
-                                                                      progress.next("the sky's tables");
-                                                              });
-        if (!tables) return tl::unexpected(tables.error());
-    }
-    return {};
+    Progress progress(steps, options.quiet);
+    int shown = 0;
+    return atmosphere::stored_or_precomputed_by_fours(device, scene.sky->atmosphere, options.frame.sky.tables,
+                                                      rhi::DiskCache::of_user(),
+                                                      [&](double done) {
+                                                          for (; shown < int(done * steps); ++shown)
+                                                              progress.next("the sky's tables");
+                                                      })
+        .map([](std::vector<atmosphere::Tables> tables) {
+            return std::make_shared<const std::vector<atmosphere::Tables>>(std::move(tables));
+        });
 }
 
 Result<void> add_sky_map(scene::Scene& scene, const Options& options) {
@@ -34,11 +33,13 @@ Result<void> add_sky_map(scene::Scene& scene, const Options& options) {
     auto devices = open_devices(first, failures);
     if (!devices) return tl::unexpected(devices.error());
     rhi::Device& device = devices->front();
-    if (const Result<void> done = prepare_sky(device, scene, options); !done) return done;
+    const auto tables = sky_tables(device, scene, options);
+    if (!tables) return tl::unexpected(tables.error());
 
     constexpr uint32_t map_side = 512, rows = 256;
     sky::Settings settings = options.frame.sky;
     settings.map_side = map_side;
+    settings.made = *tables;
     auto sky = sky::Sky::create(device, scene.sky->atmosphere, settings);
     if (!sky) return tl::unexpected(sky.error());
     rhi::Commands commands = device.begin();

@@ -92,4 +92,21 @@ Result<Tables> stored_or_precomputed(rhi::Device& device, const scene::Atmospher
         });
 }
 
+Result<std::vector<Tables>> stored_or_precomputed_by_fours(rhi::Device& device,
+                                                           const scene::Atmosphere& atmosphere,
+                                                           const Settings& settings,
+                                                           const rhi::DiskCache& cache,
+                                                           const std::function<void(double)>& progress) {
+    const std::vector<scene::Atmosphere> parts = by_fours(atmosphere);
+    std::vector<Tables> all;
+    for (const scene::Atmosphere& part : parts) {
+        auto tables = stored_or_precomputed(device, part, settings, cache, [&](double done) {
+            if (progress) progress((double(all.size()) + done) / double(parts.size()));
+        });
+        if (!tables) return tl::unexpected(tables.error());
+        all.push_back(std::move(*tables));
+    }
+    return all;
+}
+
 }  // namespace lumo::atmosphere

@@ -13,4 +13,12 @@ Result<Tables> stored_or_precomputed(rhi::Device& device, const scene::Atmospher
                                      const Settings& settings, const rhi::DiskCache& cache,
                                      const std::function<void(double)>& progress = {});
 
+/// The same of an atmosphere of any number of wavelengths: tables for each part of by_fours; `progress` is told the part
+/// done of all.
+Result<std::vector<Tables>> stored_or_precomputed_by_fours(rhi::Device& device,
+                                                           const scene::Atmosphere& atmosphere,
+                                                           const Settings& settings,
+                                                           const rhi::DiskCache& cache,
+                                                           const std::function<void(double)>& progress = {});
+
 }  // namespace lumo::atmosphere

@@ -85,17 +85,21 @@ Result<Sky> Sky::create(rhi::Device& device, const scene::Atmosphere& atmosphere
     Sky made;
     made.radius_ground_km_ = atmosphere.radius_ground_km;
     const std::vector<glm::dvec3> weights = scene::rgb_weights(atmosphere.wavelengths_nm);
+    made.tables_ = settings.made;
+    if (!made.tables_) {
+        auto tables = atmosphere::stored_or_precomputed_by_fours(device, atmosphere, settings.tables,
+                                                                 rhi::DiskCache::of_user());
+        if (!tables) return tl::unexpected(tables.error());
+        made.tables_ = std::make_shared<const std::vector<atmosphere::Tables>>(std::move(*tables));
+    }
     size_t first = 0;
     for (const scene::Atmosphere& four : atmosphere::by_fours(atmosphere)) {
-        auto tables =
-            atmosphere::stored_or_precomputed(device, four, settings.tables, rhi::DiskCache::of_user());
-        if (!tables) return tl::unexpected(tables.error());
         const size_t count = four.wavelengths_nm.size();
         Block block{};
         set_weights(block, weights, atmosphere.sun_irradiance, first, count);
         for (size_t i = 0; i < count; ++i) block.limb[int(i)] = limb_exponent(four.wavelengths_nm[i]);
         block.sun_radius = float(glm::radians(atmosphere.sun_angular_radius_deg));
-        made.parts_.push_back({std::move(*tables), block});
+        made.parts_.push_back({&(*made.tables_)[made.parts_.size()], block});
         first += count;
     }
 
@@ -156,7 +160,7 @@ rhi::Sampled<Dimension::d3> Sky::record_map(rhi::Commands& commands, const scene
     rhi::Pass pass = commands.pass("sky.map");
     const uint32_t side = map_.desc().extent.width;
     for (size_t i = 0; i < parts_.size(); ++i) {
-        const atmosphere::Sky tables = parts_[i].tables.sky(commands, map_nodes);
+        const atmosphere::Sky tables = parts_[i].tables->sky(commands, map_nodes);
         const uint32_t groups = rhi::groups_for(side, group_side);
         pass.dispatch(map_pipeline_,
                       {.air = tables.block,
@@ -185,7 +189,7 @@ Pixels Sky::record_pixels(rhi::Commands& commands, const gbuffer::View& gbuffer,
     const bool near = camera.far_plane <= near_metres;
     for (const Part& part : parts_)
         pixels.before.push_back(
-            {.tables = part.tables.sky(commands, near ? std::optional(least_nodes) : std::nullopt),
+            {.tables = part.tables->sky(commands, near ? std::optional(least_nodes) : std::nullopt),
              .view = commands.uniform(block(part, sky, camera.position))});
 
     rhi::Pass pass = commands.pass("sky.pixels");
@@ -193,7 +197,7 @@ Pixels Sky::record_pixels(rhi::Commands& commands, const gbuffer::View& gbuffer,
                              rhi::groups_for(gbuffer.size.height, group_side)};
     for (size_t i = 0; i < parts_.size(); ++i) {
         for (const bool behind : {true, false}) {
-            const atmosphere::Sky tables = behind ? parts_[i].tables.sky(commands) : pixels.before[i].tables;
+            const atmosphere::Sky tables = behind ? parts_[i].tables->sky(commands) : pixels.before[i].tables;
             pass.dispatch(pixels_pipeline_,
                           {.air = tables.block,
                            .air_columns = tables.columns,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,8 @@ namespace lumo::sky {
 struct Settings {
     atmosphere::Settings tables = {};
     uint32_t map_side = 128;  ///< texels, a power of two from 32 to 2048
+    /// What `tables` asks for, on the same device and by fours; none: they are taken from the user's cache, or computed.
+    std::shared_ptr<const std::vector<atmosphere::Tables>> made = {};
 };
 
 /// Air without anything in it under no sun, which changes no picture: for what is made without being needed; and
@@ -43,8 +46,7 @@ struct Pixels {
 
 class Sky {
   public:
-    /// Computes the atmosphere's tables, or takes them from the user's cache. Errors: invalid_argument (map_side; a setting of the tables), and those of the
-    /// device.
+    /// Errors: invalid_argument (map_side; a setting of the tables), and those of the device.
     static Result<Sky> create(rhi::Device& device, const scene::Atmosphere& atmosphere,
                               const Settings& settings = {});
     /// What record_pixels fills. Errors: those of the device.
@@ -70,11 +72,12 @@ class Sky {
 
     /// The tables of up to four wavelengths, and what they weigh.
     struct Part {
-        atmosphere::Tables tables;
+        const atmosphere::Tables* tables;
         Block weights;
     };
     Block block(const Part& part, const scene::Sky& sky, glm::vec3 position) const;
 
+    std::shared_ptr<const std::vector<atmosphere::Tables>> tables_;
     std::vector<Part> parts_;
     double radius_ground_km_ = 0;
     rhi::Texture map_;
