@@ -34,13 +34,16 @@ double draw(const double* sums, size_t count, double u, size_t& cell) {
 LightGuide::LightGuide(const AtmosphereOptics& optics, const ColumnTable& columns)
     : optics_(optics),
       arriving_(altitudes * suns * optics.wavelengths()),
-      by_zenith_(altitudes * suns * zeniths),
-      by_azimuth_(by_zenith_.size() * azimuths) {
+      light_(altitudes * suns * zeniths * azimuths) {
+    for (size_t k = 0; k < azimuths; ++k) {
+        const double phi = pi * std::pow((double(k) + 0.5) / azimuths, 2);
+        level_[k] = {std::cos(phi), std::sin(phi)};
+    }
     Comb comb(optics, columns);
     const Atmosphere& a = optics.atmosphere();
     const size_t wavelengths = optics.wavelengths();
     // Radiance times solid angle of each cell: of order 1, then with what that is scattered to once more.
-    std::vector<double> light(by_azimuth_.size() * wavelengths);
+    std::vector<double> light(light_.size() * wavelengths);
     for (const bool first : {true, false}) {
         std::vector<double> all(arriving_.size());
         for (size_t cell = 0; cell < altitudes * suns; ++cell) {
@@ -50,8 +53,7 @@ LightGuide::LightGuide(const AtmosphereOptics& optics, const ColumnTable& column
                 const auto zenith = double(ray / azimuths), azimuth = double(ray % azimuths);
                 const double low = edge(horizon, zenith), high = edge(horizon, zenith + 1);
                 const double mu = 0.5 * (low + high);
-                const double phi = pi * std::pow((azimuth + 0.5) / azimuths, 2);
-                const double nu = mu * mu_sun + sine_of(mu) * sine_of(mu_sun) * std::cos(phi);
+                const double nu = mu * mu_sun + sine_of(mu) * sine_of(mu_sun) * level_[ray % azimuths].x;
                 const double solid_angle = (high - low) * 2 * pi * (2 * azimuth + 1) / (azimuths * azimuths);
                 double* const mass = &light[(cell * zeniths * azimuths + ray) * wavelengths];
                 if (comb.march({.start = {h, mu}, .mu_sun = mu_sun, .nu = nu}, 0.5)) {
@@ -78,14 +80,11 @@ LightGuide::LightGuide(const AtmosphereOptics& optics, const ColumnTable& column
         }
         arriving_ = all;
     }
-    for (size_t ray = 0; ray < by_azimuth_.size(); ++ray) {
+    for (size_t ray = 0; ray < light_.size(); ++ray) {
         const double* const all = &arriving_[ray / (zeniths * azimuths) * wavelengths];
         for (size_t i = 0; i < wavelengths; ++i)
-            if (all[i] > 0) by_azimuth_[ray] += light[ray * wavelengths + i] / all[i];
+            if (all[i] > 0) light_[ray] += light[ray * wavelengths + i] / (all[i] * double(wavelengths));
     }
-    for (size_t row = 0; row < by_zenith_.size(); ++row)
-        by_zenith_[row] = accumulate(&by_azimuth_[row * azimuths], azimuths);
-    for (size_t cell = 0; cell < altitudes * suns; ++cell) accumulate(&by_zenith_[cell * zeniths], zeniths);
 }
 
 double LightGuide::altitude(size_t index) const {
@@ -126,39 +125,70 @@ double LightGuide::Arriving::operator()(size_t i) const {
                      std::lerp(high[i], high[wavelengths + i], along_sun), along_altitude);
 }
 
-LightGuide::Lobe LightGuide::lobe(double h, double mu_sun) const {
+/// `weight` of a direction's z, and its x and y.
+template <class F>
+LightGuide::Lobe LightGuide::weighted(double h, double mu_sun, const F& weight) const {
     const Place at = place(h, mu_sun);
-    const size_t cell = size_t(at.altitude + 0.5) * suns + size_t(at.sun + 0.5);
+    const double* const light =
+        &light_[(size_t(at.altitude + 0.5) * suns + size_t(at.sun + 0.5)) * zeniths * azimuths];
     Lobe lobe;
-    lobe.by_zenith = &by_zenith_[cell * zeniths];
-    lobe.by_azimuth = &by_azimuth_[cell * zeniths * azimuths];
     lobe.horizon_mu = optics_.horizon_mu(h);
+    for (size_t z = 0; z < zeniths; ++z) {
+        const double mu = 0.5 * (edge(lobe.horizon_mu, double(z)) + edge(lobe.horizon_mu, double(z + 1)));
+        const double sine = sine_of(mu);
+        double* const row = &lobe.by_azimuth[z * azimuths * Lobe::sides];
+        for (size_t k = 0; k < azimuths; ++k) {
+            const glm::dvec2 level = level_[k];
+            row[azimuths + k] = light[z * azimuths + k] * weight(mu, sine * level);
+            row[azimuths - 1 - k] =
+                light[z * azimuths + k] * weight(mu, sine * glm::dvec2(level.x, -level.y));
+        }
+        lobe.by_zenith[z] = accumulate(row, azimuths * Lobe::sides);
+    }
+    accumulate(lobe.by_zenith.data(), zeniths);
     return lobe;
+}
+
+LightGuide::Lobe LightGuide::lobe(double h, double mu_sun) const {
+    return weighted(h, mu_sun, [](double, glm::dvec2) { return 1.0; });
+}
+
+LightGuide::Lobe LightGuide::lobe(double h, double mu_sun, glm::dvec3 along, double by_mie) const {
+    const double g = optics_.atmosphere().mie ? optics_.atmosphere().mie->g : 0;
+    return weighted(h, mu_sun, [&](double mu, glm::dvec2 level) {
+        const double nu = along.z * mu + along.x * level.x + along.y * level.y;
+        return by_mie * henyey_greenstein(nu, g) + (1 - by_mie) * rayleigh_phase(nu);
+    });
 }
 
 glm::dvec3 LightGuide::Lobe::sample(glm::dvec2 u) const {
     size_t zenith = 0, azimuth = 0;
-    const double t = draw(by_zenith, zeniths, u.x, zenith);
-    const double low = edge(horizon_mu, double(zenith)), high = edge(horizon_mu, double(zenith + 1));
-    const double mu = std::lerp(low, high, t), sine = sine_of(mu);
-    const double part = draw(by_azimuth + zenith * azimuths, azimuths, std::abs(2 * u.y - 1), azimuth);
-    const auto from = double(azimuth * azimuth), to = double((azimuth + 1) * (azimuth + 1));
-    const double phi = std::copysign(pi * std::lerp(from, to, part) / (azimuths * azimuths), u.y - 0.5);
+    const double t = draw(by_zenith.data(), zeniths, u.x, zenith);
+    const double mu = std::lerp(edge(horizon_mu, double(zenith)), edge(horizon_mu, double(zenith + 1)), t);
+    const double part = draw(&by_azimuth[zenith * azimuths * sides], azimuths * sides, u.y, azimuth);
+    const double from = azimuth_edge(azimuth), to = azimuth_edge(azimuth + 1);
+    const double phi = std::lerp(from, to, part), sine = sine_of(mu);
     return {sine * std::cos(phi), sine * std::sin(phi), mu};
 }
 
 double LightGuide::Lobe::density(glm::dvec3 direction) const {
-    const double mu = direction.z;
-    const double above_horizon = mu - horizon_mu;
+    const double above_horizon = direction.z - horizon_mu;
     const double t = above_horizon < 0 ? below * (1 - std::sqrt(-above_horizon / (horizon_mu + 1)))
                                        : below + above * std::sqrt(above_horizon / (1 - horizon_mu));
     const size_t zenith = std::min(size_t(std::max(t, 0.0)), zeniths - 1);
-    const double phi = std::abs(std::atan2(direction.y, direction.x));
-    const size_t azimuth = std::min(size_t(std::sqrt(phi / pi) * azimuths), azimuths - 1);
+    const double phi = std::atan2(direction.y, direction.x);
+    const size_t steps = std::min(size_t(std::sqrt(std::abs(phi) / pi) * azimuths), azimuths - 1);
+    const size_t azimuth = phi < 0 ? azimuths - 1 - steps : azimuths + steps;
     const auto mass = [](const double* sums, size_t i) { return sums[i] - (i > 0 ? sums[i - 1] : 0); };
-    const double high = edge(horizon_mu, double(zenith + 1)), low = edge(horizon_mu, double(zenith));
-    const double wide = 2 * pi * double(2 * azimuth + 1) / (azimuths * azimuths);
-    return mass(by_zenith, zenith) * mass(by_azimuth + zenith * azimuths, azimuth) / ((high - low) * wide);
+    return mass(by_zenith.data(), zenith) * mass(&by_azimuth[zenith * azimuths * sides], azimuth) /
+           ((edge(horizon_mu, double(zenith + 1)) - edge(horizon_mu, double(zenith))) *
+            (azimuth_edge(azimuth + 1) - azimuth_edge(azimuth)));
+}
+
+/// From -pi to pi: squares on both sides of 0.
+double LightGuide::azimuth_edge(size_t azimuth) {
+    const double t = double(azimuth) / azimuths - 1;
+    return pi * t * std::abs(t);
 }
 
 }  // namespace lumo::reference

@@ -158,13 +158,14 @@ class Walk {
     }
 
     glm::dvec3 scatter(const Vertex& at, glm::dvec3 along, double technique, Numbers& numbers) {
-        const LightGuide::Lobe lobe = guide_.lobe(at.h, glm::dot(at.up, to_sun_));
         const glm::dmat3 frame = frame_at(at);
         double by_mie = 0;
         for (size_t i = 0; i < throughput_.size(); ++i)
             by_mie += optics_.scattering({.mie = at.density.mie}, i) / optics_.scattering(at.density, i) /
                       double(throughput_.size());
         const double g = a_.mie ? a_.mie->g : 0;
+        const LightGuide::Lobe lobe =
+            guide_.lobe(at.h, glm::dot(at.up, to_sun_), glm::transpose(frame) * along, by_mie);
         constexpr double guided = 0.7;
         const glm::dvec2 u = numbers.pair();
         glm::dvec3 next;
