@@ -48,15 +48,16 @@ void main() {
         vec3 position = positions[own].xyz;
         vec3 normal = normals[own].xyz;
         vec3 plane = texelFetch(geometric_normal_occlusion, pixel, 0).xyz;
-        vec4 sum = vec4(0);
+        precise vec4 sum = vec4(0);
         for (int y = 0; y <= side; ++y) {
             for (int x = 0; x <= side; ++x) {
                 // Places of the pattern that are met at both ends count half at each, so that the mean is not displaced.
                 float part = (x % side == 0 ? 0.5 : 1.0) * (y % side == 0 ? 0.5 : 1.0);
                 int i = (first.y + y) * tile + first.x + x;
-                float away = abs(dot(plane, positions[i].xyz - position));
-                float alike = clamp((dot(normal, normals[i].xyz) - least_cosine) / (1.0 - least_cosine), 0.0, 1.0);
-                sum += vec4(values[i].rgb, 1) * (part * values[i].a * alike * max(1.0 - away / push.reach, 0.0));
+                precise float away = abs(inner(plane, positions[i].xyz - position)) / push.reach;
+                precise float alike = (inner(normal, normals[i].xyz) - least_cosine) / (1.0 - least_cosine);
+                precise float weight = part * values[i].a * clamp(alike, 0.0, 1.0) * max(1.0 - away, 0.0);
+                sum += vec4(values[i].rgb, 1) * weight;
             }
         }
         vec3 mean = center.a > 0.0 && sum.a > 1e-3 ? sum.rgb / sum.a : center.rgb;

@@ -77,6 +77,20 @@ TEST_F(FrameParityTest, AtriumDiffuse) {
     expect_parity("atrium", settings);
 }
 
+/// Rays meet the same voxels on both: with 16 a pixel and with one, in a volume and in an octree.
+TEST_F(FrameParityTest, Rays) {
+    for (const char* name : {"cornell", "atrium"})
+        for (const auto& [storage, rays] :
+             {std::pair(voxels::Storage::dense, 16u), std::pair(voxels::Storage::octree, 1u)}) {
+            frame::Settings settings = settings_for(32, 2);
+            settings.layers = {Layer::indirect, Layer::irradiance, Layer::specular};
+            settings.voxels.storage = storage;
+            settings.gatherer = frame::Gatherer::rays;
+            settings.rays = rays;
+            expect_parity(name, settings);
+        }
+}
+
 /// The sun high, and below the horizon.
 TEST_F(FrameParityTest, Sky) {
     frame::Settings settings = settings_for(32);

@@ -52,6 +52,25 @@ TEST(Plan, SunAlone) {
     EXPECT_TRUE(make_plan(facts, {.bounces = 2}).needs("voxels.bounce"));
 }
 
+/// Rays stand in for the cones of opaque surfaces, and the plan says so; not a full one holds both.
+TEST(Plan, RaysInPlaceOfCones) {
+    SceneFacts facts = surfaces();
+    facts.lights = facts.emission = true;
+    for (const Gatherer gatherer : {Gatherer::rays, Gatherer::floor})
+        for (const PlanMode mode : {PlanMode::automatic, PlanMode::full}) {
+            const Plan plan = make_plan(facts, resolve({.plan = mode, .gatherer = gatherer}, facts));
+            EXPECT_TRUE(plan.needs("cones.rays"));
+            EXPECT_FALSE(plan.needs("cones"));
+            EXPECT_TRUE(plan.needs("cones.specular"));
+            EXPECT_TRUE(plan.needs("cones.emitters"));
+            EXPECT_THAT(item(plan, "cones").why, HasSubstr("rays"));
+            EXPECT_THAT(item(plan, "cones.rays").why,
+                        HasSubstr(gatherer == Gatherer::floor ? "256 rays" : "16 rays"));
+        }
+    EXPECT_EQ(resolve({.gatherer = Gatherer::floor, .rays = 7}, facts).rays, 7u);
+    EXPECT_FALSE(make_plan(facts, {.gi = false, .gatherer = Gatherer::rays}).needs("cones.rays"));
+}
+
 TEST(Plan, EmittersAlone) {
     SceneFacts facts = surfaces();
     facts.emission = true;
