@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
+#include "reference/path_tracer.hpp"
 #include "scene/builtin/builtin.hpp"
 #include "scene/builtin/geometry.hpp"
 #include "scene/sky.hpp"
@@ -232,6 +233,45 @@ TEST_P(SkyTest, AirLiesBeforeSurfaces) {
     }
 }
 
+/// A wall of light across the view, 20 km away, which hides so much of what lies behind it.
+scene::Scene wall_of_light(float opacity, scene::Atmosphere air = scene::earth()) {
+    scene::Scene scene;
+    add(scene, scene::builtin::parallelogram({20e3f, 200, -1000}, {0, 0, 2000}, {0, 3000, 0}),
+        scene::Material{.base_color = {0, 0, 0, opacity},
+                        .metallic = 0,
+                        .emission = {3, 2, 1},
+                        .alpha_mode = opacity < 1 ? scene::AlphaMode::blend : scene::AlphaMode::opaque,
+                        .double_sided = true});
+    set_sky(scene, {.atmosphere = std::move(air), .direction_to_sun = sun_at(50)});
+    return scene;
+}
+
+/// Two ways to the same picture: tables in single precision, and quadrature and paths in double.
+TEST_P(SkyTest, ThePathTracerSeesTheSameSkyAndAir) {
+    scene::Scene scene = wall_of_light(1);
+    // The lower half is a wall far away, the upper one sky.
+    const scene::Camera camera{.position = {0, 3200, 0},
+                               .target = {20e3f, 3200, 0},
+                               .vertical_fov = 0.02f,
+                               .near_plane = 0.1f,
+                               .far_plane = 1e6f};
+    constexpr uint32_t side = 4;
+    const scene::ImageF drawn = render(scene, camera, {Layer::radiance}, {side, side}).layers[0].linear;
+    const auto traced = reference::path_trace(
+        scene, camera,
+        {.width = side, .height = side, .spp = 2, .pixel_centers_only = true, .air_paths = 200});
+    ASSERT_TRUE(traced);
+    for (const uint32_t y : {0u, side - 1}) {
+        glm::dvec3 of_tables(0), of_paths(0);
+        for (uint32_t x = 0; x < side; ++x) {
+            of_tables += pixel(drawn, x, y) / double(side);
+            of_paths += pixel(traced->layers[0].mean, x, y) / double(side);
+        }
+        expect_near(of_tables, of_paths, 0.02);
+    }
+    EXPECT_GT(glm::distance(pixel(drawn, 0, 0), pixel(drawn, 0, side - 1)), 1.0) << "they differ";
+}
+
 /// Also where pixels are as large as the disc, in the mean over where they lie.
 TEST_P(SkyTest, SunsDiscIsNotLostBetweenPixels) {
     constexpr uint32_t side = 8, looks = 6;
@@ -252,19 +292,6 @@ TEST_P(SkyTest, SunsDiscIsNotLostBetweenPixels) {
         // Some hundred samples of a disc with a sharp edge.
         expect_near(sum * std::pow(pixel_deg * degree, 2) / double(looks * looks), irradiance, 0.03);
     }
-}
-
-/// A wall of light across the view, 20 km away, which hides so much of what lies behind it.
-scene::Scene wall_of_light(float opacity, scene::Atmosphere air = scene::earth()) {
-    scene::Scene scene;
-    add(scene, scene::builtin::parallelogram({20e3f, 200, -1000}, {0, 0, 2000}, {0, 3000, 0}),
-        scene::Material{.base_color = {0, 0, 0, opacity},
-                        .metallic = 0,
-                        .emission = {3, 2, 1},
-                        .alpha_mode = opacity < 1 ? scene::AlphaMode::blend : scene::AlphaMode::opaque,
-                        .double_sided = true});
-    set_sky(scene, {.atmosphere = std::move(air), .direction_to_sun = sun_at(50)});
-    return scene;
 }
 
 TEST_P(SkyTest, AirLiesBeforeBlendedSurfaces) {
