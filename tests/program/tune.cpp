@@ -28,9 +28,9 @@ TEST_F(Tune, WhatItFindsKeepsTheBound) {
     EXPECT_EQ(found["met"], true);
     EXPECT_EQ(found["max_error"], 0.8);
     EXPECT_LE(found["measured"]["relative_rmse"], 0.8);
-    EXPECT_EQ(found["configurations"], 36);
-    EXPECT_LE(found["trials"], 7);
-    EXPECT_EQ(found["settings"].size(), 3);
+    EXPECT_EQ(found["configurations"], 72);
+    EXPECT_LE(found["trials"], 14);
+    EXPECT_EQ(found["settings"].size(), 4);
 
     const auto command = found["command"].get<std::string>();
     for (const auto& [name, value] : found["settings"].items())

@@ -34,6 +34,7 @@ struct Axis {
 
 const std::vector<Axis>& all_axes() {
     static const std::vector<Axis> axes{{"voxels", {"32", "64", "128", "256"}},
+                                        {"gather", {"cones", "rays"}},
                                         {"cones", {"1", "3", "5", "7", "9", "12", "16", "24", "32"}},
                                         {"mips", {"iso", "ani"}},
                                         {"apertures", {"uniform", "nonuniform"}},
