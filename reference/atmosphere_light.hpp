@@ -42,7 +42,8 @@ struct Estimate {
     Spectrum error;
 };
 
-/// Radiance of the orders asked for, W/m²/sr/nm.
+/// Radiance of the orders asked for, W/m²/sr/nm, by paths that know little of where light is; GuidedPaths is quicker, and
+/// held against this.
 Estimate radiance(const AtmosphereOptics& optics, const SkyView& view, const PathSettings& settings);
 
 /// Irradiance of the sky on a horizontal plane that faces up, W/m²/nm, of the orders asked for (from 1 on for all of

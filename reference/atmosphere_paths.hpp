@@ -6,11 +6,11 @@
 
 namespace lumo::reference {
 
-/// What radiance() and sky_irradiance() of atmosphere_light.hpp estimate, with a thousandth to a tenth of the variance
-/// for the same time, where the sun is low: sunlight is integrated along each ray by a comb instead of asked for at one
-/// point; rays go on from a point of the comb, in proportion to the light that arrives there, toward where it comes
-/// from (LightGuide); and samples have low discrepancy. Making one takes about a second. Objects do not change: any
-/// number of threads may ask.
+/// What radiance() and sky_irradiance() of atmosphere_light.hpp estimate by plain paths, to the same error in a fiftieth
+/// of the time where the sun is low: sunlight is integrated along each ray by a Comb instead of asked for at one point;
+/// rays go on from a point of the comb, in proportion to the light that arrives there, toward where it comes from
+/// (LightGuide); and samples have low discrepancy. Making one takes half a second. Objects do not change: any number of
+/// threads may ask.
 class GuidedPaths {
   public:
     /// Keeps a reference to `optics`.
