@@ -56,13 +56,12 @@ struct Cone {
     vec3 direction;
     Facing facing;
     float voxel_per_distance;
-    float emitted_part;
     float dither;
 };
 
 // What a cone has met, what gets through that, and how far it is.
 struct March {
-    vec3 radiance;
+    vec3 radiance;  // as stored
     float transmittance;
     float distance;  // voxels
 };
@@ -73,14 +72,8 @@ const int finest = 0;
 const int between = 1;
 const int coarser = 2;
 
-vec4 sample_at(sampler3D base, sampler3D directions, vec3 uvw, Facing facing, float lod, int levels) {
-    if (levels == finest) return sample_finest(base, uvw);
-    if (levels == between) return sample_volume(base, directions, uvw, facing, lod, gather.resolution);
-    return sample_coarser(base, directions, uvw, facing, lod, gather.resolution);
-}
-
 // The cone's way up to `end`, a distance.
-void advance(inout March march, Cone cone, int levels, float end) {
+void advance(inout March march, Cone cone, sampler3D base, sampler3D directions, int levels, float end) {
     vec3 position = cone.origin + cone.direction * march.distance;
     float margin = 0.0;
     // One exit: Mesa's GLSL compiler goes wrong on a loop that leaves its function from the middle. What lies at the
@@ -92,57 +85,65 @@ void advance(inout March march, Cone cone, int levels, float end) {
         float lod = log2(voxel);
         if (whole_levels) lod = floor(lod + cone.dither);
         vec3 uvw = position / gather.resolution;
-        vec4 stored = sample_at(voxel_radiance, voxel_radiance_directions, uvw, cone.facing, lod, levels);
-        if (stored.a > 0.0) {
-            vec3 leaving = gather_reflected ? stored.rgb * gather.radiance_unit : vec3(0);
-            // Occlusion is the irradiance of surfaces that are each as bright as their distance weighs.
-            if (gather_occlusion) leaving = vec3(stored.a / (1.0 + march.distance / gather.occlusion_radius));
-            if (gather_emission && cone.emitted_part > 0.0) {
-                leaving += cone.emitted_part * gather.emission_unit *
-                           sample_at(voxel_emission, voxel_emission_directions, uvw, cone.facing, lod, levels).rgb;
-            }
-            march.radiance += march.transmittance * leaving;
-            march.transmittance *= max(1.0 - stored.a, 0.0);
+        vec4 stored;
+        if (levels == finest) {
+            stored = sample_finest(base, uvw);
+        } else if (levels == between) {
+            stored = sample_volume(base, directions, uvw, cone.facing, lod, gather.resolution);
+        } else {
+            stored = sample_coarser(base, directions, uvw, cone.facing, lod, gather.resolution);
         }
+        // Occlusion is the irradiance of surfaces that are each as bright as their distance weighs.
+        vec3 leaving =
+            gather_occlusion ? vec3(stored.a / (1.0 + march.distance / gather.occlusion_radius)) : stored.rgb;
+        march.radiance += march.transmittance * leaving;
+        march.transmittance *= max(1.0 - stored.a, 0.0);
         if (gather_occlusion) margin = voxel;
         march.distance += voxel;
         position = cone.origin + cone.direction * march.distance;
     }
 }
 
-// Radiance from a cone, with this part of what emits. Origin in grid space, `start` in voxels. `dither`: 0 to 1, with
-// whole_levels: of cones whose mean is taken over all of them, which read one of the two levels beside theirs.
-vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start, float emitted_part, float dither) {
+// All of a cone's way, from `start`, in voxels. Origin in grid space. `dither`: 0 to 1, with whole_levels: of cones whose
+// mean is taken over all of them, which read one of the two levels beside theirs.
+March march_through(sampler3D base, sampler3D directions, vec3 origin, vec3 direction, float tan_half_aperture,
+                    float start, float dither) {
     float voxel_per_distance = max(2.0 * tan_half_aperture * voxel_per_diameter, 1e-6);
-    Cone cone = Cone(origin, direction, facing_of(direction), voxel_per_distance, emitted_part, dither);
+    Cone cone = Cone(origin, direction, facing_of(direction), voxel_per_distance, dither);
     March march = March(vec3(0), 1.0, start);
     const float everywhere = 1e30;
     if (whole_levels) {
-        advance(march, cone, finest, exp2(1.0 - dither) / voxel_per_distance);
+        advance(march, cone, base, directions, finest, exp2(1.0 - dither) / voxel_per_distance);
     } else {
-        advance(march, cone, finest, 1.0 / voxel_per_distance);
-        advance(march, cone, between, 2.0 / voxel_per_distance);
+        advance(march, cone, base, directions, finest, 1.0 / voxel_per_distance);
+        advance(march, cone, base, directions, between, 2.0 / voxel_per_distance);
     }
-    advance(march, cone, coarser, everywhere);
-    if (gather_occlusion && march.transmittance < min_transmittance) {
-        // The rest is as what was met.
-        march.radiance /= 1.0 - march.transmittance;
-    }
+    advance(march, cone, base, directions, coarser, everywhere);
+    return march;
+}
+
+// Reflected radiance from a cone, and that of the environment; or occlusion. As march_through.
+vec3 trace_cone(vec3 origin, vec3 direction, float tan_half_aperture, float start, float dither) {
+    March march = march_through(voxel_radiance, voxel_radiance_directions, origin, direction, tan_half_aperture, start,
+                                dither);
+    vec3 radiance = march.radiance;
+    // The rest is as what was met.
+    if (gather_occlusion && march.transmittance < min_transmittance) radiance /= 1.0 - march.transmittance;
+    if (!gather_occlusion) radiance *= gather_reflected ? gather.radiance_unit : 0.0;
     if (gather_environment && march.transmittance >= min_transmittance)
-        march.radiance += march.transmittance * environment_in_cone(direction, tan_half_aperture);
-    return march.radiance;
+        radiance += march.transmittance * environment_in_cone(direction, tan_half_aperture);
+    return radiance;
+}
+
+// Emitted radiance from a cone. A march of its own, through the same opacities: where emitters are lit by one by one, cones
+// have none of it to look for.
+vec3 trace_emission(vec3 origin, vec3 direction, float tan_half_aperture, float start, float dither) {
+    return gather.emission_unit * march_through(voxel_emission, voxel_emission_directions, origin, direction,
+                                                tan_half_aperture, start, dither)
+                                      .radiance;
 }
 
 const float lift = 1.5;
-
-// Opacity in the direction of some axis; 0 only where a level has nothing.
-float opacity_at(vec3 position, int level) {
-    vec3 uvw = position / gather.resolution;
-    if (octree_levels > 0) return octree_opacity(voxel_radiance, voxel_radiance_directions, uvw, level);
-    if (level == 0 || !anisotropic) return textureLod(voxel_radiance, uvw, float(level)).a;
-    uvw.x = clamp(uvw.x, exp2(float(level)) / gather.resolution, 1.0 - exp2(float(level)) / gather.resolution) / 6.0;
-    return textureLod(voxel_radiance_directions, uvw, float(level - 1)).a;
-}
 
 // A path is taken as blocked, without a step in what gets through, below this part.
 const float min_visible = 0.01;
@@ -155,19 +156,25 @@ float trace_visibility(vec3 from, vec3 to) {
     float widest = max(abs(direction.x), max(abs(direction.y), abs(direction.z)));
     float transmittance = 1.0;
     float distance = 0.5;
-    int level = 0;
     while (transmittance >= min_visible && distance < length) {
-        float opacity = opacity_at(from + direction * distance, level);
-        if (opacity == 0.0) {
-            // At least half a voxel of the level is empty on each side; the finest filter reaches half a voxel over it.
-            // Whole steps: whether a sample was barely empty does not move those that follow.
-            distance += max(floor((0.5 * exp2(float(level)) - 0.5) / widest), 1.0);
-            level = min(level + 1, 4);
-        } else if (level > 0) {
-            level -= 1;
-        } else {
+        float opacity;
+        do {
+            opacity = sample_finest(voxel_radiance, (from + direction * distance) / gather.resolution).a;
             transmittance *= max(1.0 - opacity, 0.0);
             distance += 1.0;
+        } while (opacity > 0.0 && transmittance >= min_visible && distance < length);
+        // Through empty space by ever coarser levels, and back down to where there is something.
+        int level = opacity == 0.0 ? 1 : 0;
+        while (level > 0 && distance < length) {
+            vec3 uvw = (from + direction * distance) / gather.resolution;
+            if (coarser_opacity(voxel_radiance, voxel_radiance_directions, uvw, level, gather.resolution) > 0.0) {
+                level -= 1;
+            } else {
+                // At least half a voxel of the level is empty on each side; the finest filter reaches half a voxel over
+                // it. Whole steps: whether a sample was barely empty does not move those that follow.
+                distance += max(floor((0.5 * exp2(float(level)) - 0.5) / widest), 1.0);
+                level = min(level + 1, 4);
+            }
         }
     }
     return max(transmittance - min_visible, 0.0) / (1.0 - min_visible);
@@ -245,13 +252,36 @@ EmitterLight emitter_light(EmitterCell emitter, vec3 position, vec3 normal) {
     return EmitterLight(emitter.flux.rgb * form, seen_point(cap, -direction));
 }
 
-// Irradiance on a surface from the emitters that are lit by one by one, W/m². As gather_irradiance.
-vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal) {
+float sum_of(EmitterLight light) { return light.irradiance.r + light.irradiance.g + light.irradiance.b; }
+
+// Paths to emitters at a place of a pattern; a number of emitters takes so many bits.
+const int emitter_paths = 4;
+const int emitter_bits = 5;
+
+// Irradiance on a surface from the emitters that are lit by one by one, W/m². As gather_irradiance; in a pattern each place
+// asks for some of them alone what stands before them, the more often the brighter they are, so that the mean over the
+// pattern is that of all.
+vec3 emitter_irradiance(vec3 position, vec3 geometric_normal, vec3 normal, uint turn) {
+    bool some = whole_levels && emitters.count > emitter_paths;
+    float total = 0.0;
+    for (int i = 0; some && i < emitters.count; ++i) total += sum_of(emitter_light(emitters.data[i], position, normal));
+    float paths_per_light = float(emitter_paths) / max(total, 1e-30);
+    float passed = (float(turn % uint(turns)) + 0.5) / float(turns);
+    uint chosen = 0u;  // a number for each path
+    for (int i = 0; some && i < emitters.count; ++i) {
+        uint first = uint(passed);
+        passed += sum_of(emitter_light(emitters.data[i], position, normal)) * paths_per_light;
+        uint ones = ((1u << emitter_bits * int(passed)) - (1u << emitter_bits * int(first))) / ((1u << emitter_bits) - 1u);
+        chosen |= uint(i) * ones;
+    }
     vec3 sum = vec3(0);
-    for (int i = 0; i < emitters.count; ++i) {
-        EmitterLight light = emitter_light(emitters.data[i], position, normal);
+    int paths = some ? emitter_paths : emitters.count;
+    for (int i = 0; i < paths; ++i) {
+        int number = some ? int(chosen >> (emitter_bits * i) & ((1u << emitter_bits) - 1u)) : i;
+        EmitterLight light = emitter_light(emitters.data[number], position, normal);
+        float part = some ? 1.0 / (max(sum_of(light), 1e-30) * paths_per_light) : 1.0;
         if (light.irradiance != vec3(0))
-            sum += light.irradiance * trace_visibility(position + lift * geometric_normal, light.end);
+            sum += part * light.irradiance * trace_visibility(position + lift * geometric_normal, light.end);
     }
     return sum;
 }
@@ -262,25 +292,44 @@ uint turn_of(uvec2 place) {
     return (x & 1u) << 3 | (place.y & 1u) << 2 | (x & 2u) | (place.y & 2u) >> 1;
 }
 
+// One of the cones of a place, in grid space.
+struct PlacedCone {
+    vec3 direction;
+    float tangent;
+    float weight;
+    float dither;
+};
+
+PlacedCone place_cone(mat3 frame, uint turn, int i) {
+    int set = whole_levels ? int(turn % uint(turns)) * gather.cone_count : 0;
+    vec4 cone = gather.cones[set + i];
+    vec3 direction = vec3(cone.xy, sqrt(max(1.0 - dot(cone.xy, cone.xy), 0.0)));
+    // Another for each cone of a place, and each in one of the places.
+    float dither = (float((turn + 5u * uint(i)) % uint(turns)) + 0.5) / float(turns);
+    return PlacedCone(transform(frame, direction), cone.z, cone.w, dither);
+}
+
 // Irradiance on a surface, W/m². `position` in grid space. `geometric_normal` lifts the cones off the voxels of their
 // own surface, `normal` is the hemisphere's axis; both unit length. `turn`: as turn_of.
 vec3 gather_irradiance(vec3 position, vec3 geometric_normal, vec3 normal, uint turn) {
     // The surface's own voxels reach one voxel from it, the filter half of one more.
     vec3 origin = position + geometric_normal;
     mat3 frame = frame_about(normal);
-    int set = whole_levels ? int(turn % uint(turns)) * gather.cone_count : 0;
     float emitted_part = gather_emission ? 1.0 - emitters.share : 0.0;
+    int cones = gather_reflected || gather_environment ? gather.cone_count : 0;
+    int emission_cones = emitted_part > 0.0 ? gather.cone_count : 0;
     vec3 sum = vec3(0);
-    bool light = gather_reflected || gather_environment || emitted_part > 0.0;
-    for (int i = 0; light && i < gather.cone_count; ++i) {
-        vec4 cone = gather.cones[set + i];
-        vec3 direction = vec3(cone.xy, sqrt(max(1.0 - dot(cone.xy, cone.xy), 0.0)));
-        // Another for each cone of a place, and each in one of the places.
-        float dither = (float((turn + 5u * uint(i)) % uint(turns)) + 0.5) / float(turns);
-        sum += cone.w * trace_cone(origin, transform(frame, direction), cone.z, 1.0, emitted_part, dither);
+    for (int i = 0; i < cones; ++i) {
+        PlacedCone cone = place_cone(frame, turn, i);
+        sum += cone.weight * trace_cone(origin, cone.direction, cone.tangent, 1.0, cone.dither);
+    }
+    for (int i = 0; gather_emission && i < emission_cones; ++i) {
+        PlacedCone cone = place_cone(frame, turn, i);
+        sum += cone.weight * emitted_part *
+               trace_emission(origin, cone.direction, cone.tangent, 1.0, cone.dither);
     }
     sum *= pi;
-    if (gather_emission) sum += emitter_irradiance(position, geometric_normal, normal);
+    if (gather_emission) sum += emitter_irradiance(position, geometric_normal, normal, turn);
     return sum;
 }
 

@@ -41,7 +41,10 @@ vec3 leaving_cone(vec3 position, vec3 geometric_normal, vec3 direction, float ta
     bool narrow = held_tangent < narrow_tangent;
     float start = narrow ? min(clearance / height, farthest_start) : 1.0;
     float lift = narrow ? max(clearance - start * height, 0.0) : 1.0;
-    return trace_cone(position + lift * geometric_normal, direction, held_tangent, start, 1.0, -1.0);
+    vec3 origin = position + lift * geometric_normal;
+    vec3 radiance = trace_cone(origin, direction, held_tangent, start, 0.0);
+    if (gather_emission) radiance += trace_emission(origin, direction, held_tangent, start, 0.0);
+    return radiance;
 }
 
 // Of a cone by its solid angle, in sr.

@@ -142,12 +142,6 @@ vec4 sample_octree_anisotropic(sampler3D base, sampler3D coarse, vec3 uvw, Facin
     return value;
 }
 
-// Opacity at a level, anisotropic in some direction; 0 only where the level has nothing.
-float octree_opacity(sampler3D base, sampler3D coarse, vec3 uvw, int level) {
-    InBrick here = find_brick(uvw, level);
-    return level == 0 ? sample_brick(base, here).a : sample_brick(coarse, here).a;
-}
-
 // Level 0 alone.
 vec4 sample_finest(sampler3D base, vec3 uvw) {
     return octree_levels > 0 ? sample_brick(base, find_brick(uvw, 0)) : textureLod(base, uvw, 0.0);
@@ -167,6 +161,15 @@ vec4 sample_coarser(sampler3D base, sampler3D directions, vec3 uvw, Facing facin
     }
     return anisotropic ? sample_directions(directions, uvw, facing, lod - 1.0, resolution)
                        : textureLod(base, uvw, lod);
+}
+
+// Opacity at a level from 1 on, anisotropic in some direction; 0 only where the level has nothing.
+float coarser_opacity(sampler3D base, sampler3D directions, vec3 uvw, int level, float resolution) {
+    if (octree_levels > 0) return sample_brick(directions, find_brick(uvw, min(level, octree_levels))).a;
+    if (!anisotropic) return textureLod(base, uvw, float(level)).a;
+    // As sample_directions, of the first one.
+    float margin = min(exp2(float(level)) / resolution, 0.5);
+    return textureLod(directions, vec3(clamp(uvw.x, margin, 1.0 - margin) / 6.0, uvw.yz), float(level - 1)).a;
 }
 
 vec4 sample_volume(sampler3D base, sampler3D directions, vec3 uvw, Facing facing, float lod, float resolution) {

@@ -233,11 +233,21 @@ TEST_P(OctreeTest, SamplesAreTheVolumes) {
             const auto dense_mips = must(voxels::Mips::create(device(), mips));
 
             const std::vector<Place> places = random_places(shape.side, 4096, random);
+            std::vector<Place> whole_places = places;
+            for (Place& place : whole_places) place.lod = std::floor(place.lod);
+            // Of any level, and by the ways that whole ones are read, the volume's beside the octree's.
             const rhi::Buffer from_octree = buffer_with(places), from_volume = buffer_with(places);
+            const rhi::Buffer whole_octree = buffer_with(whole_places),
+                              whole_volume = buffer_with(whole_places),
+                              whole_expected = buffer_with(whole_places);
             using Program = shaders::test_accuracy::sample_voxels;
             const auto sparse_pipeline =
                 compute<Program>({.anisotropic = anisotropic, .octree_levels = levels});
+            const auto sparse_whole_pipeline =
+                compute<Program>({.anisotropic = anisotropic, .octree_levels = levels, .whole_levels = true});
             const auto dense_pipeline = compute<Program>({.anisotropic = anisotropic});
+            const auto dense_whole_pipeline =
+                compute<Program>({.anisotropic = anisotropic, .whole_levels = true});
             const rhi::Sampler linear = sampler({.mip = rhi::FilterMode::linear});
             rhi::Commands commands = device().begin();
             {
@@ -257,25 +267,33 @@ TEST_P(OctreeTest, SamplesAreTheVolumes) {
                 };
                 dispatch(sparse_pipeline, light, from_octree);
                 dispatch(dense_pipeline, dense, from_volume);
+                dispatch(sparse_whole_pipeline, light, whole_octree);
+                dispatch(dense_whole_pipeline, dense, whole_volume);
+                dispatch(dense_pipeline, dense, whole_expected);
             }
             must(device().wait(device().submit(std::move(commands))));
 
-            const auto sparse = contents<Place>(from_octree), expected = contents<Place>(from_volume);
-            size_t lit = 0, unseen = 0;
-            float worst = 0;
-            for (size_t i = 0; i < places.size(); ++i) {
-                const glm::vec4 difference = glm::abs(sparse[i].value - expected[i].value);
-                worst = std::max({worst, difference.r, difference.g, difference.b, difference.a});
-                lit += expected[i].value.a > 0;
-                // What a level says to be empty is empty for every direction there.
-                unseen += sparse[i].opacity == 0 && places[i].lod == std::floor(places[i].lod) &&
-                          expected[i].value.a > 1e-5f;
-            }
-            EXPECT_LT(worst, 2e-3f);
-            EXPECT_EQ(unseen, 0u);
-            if (name != "empty") {
-                EXPECT_GT(lit, 100u);
-            }
+            const auto compare = [&](const rhi::Buffer& buffer, const rhi::Buffer& expected_buffer) {
+                const auto sampled = contents<Place>(buffer), expected = contents<Place>(expected_buffer);
+                size_t lit = 0, unseen = 0;
+                float worst = 0;
+                for (size_t i = 0; i < sampled.size(); ++i) {
+                    const glm::vec4 difference = glm::abs(sampled[i].value - expected[i].value);
+                    worst = std::max({worst, difference.r, difference.g, difference.b, difference.a});
+                    lit += expected[i].value.a > 0;
+                    // What a level says to be empty is empty for every direction there.
+                    unseen += sampled[i].opacity == 0 && sampled[i].lod == std::floor(sampled[i].lod) &&
+                              expected[i].value.a > 1e-5f;
+                }
+                EXPECT_LT(worst, 2e-3f);
+                EXPECT_EQ(unseen, 0u);
+                if (name != "empty") {
+                    EXPECT_GT(lit, 100u);
+                }
+            };
+            compare(from_octree, from_volume);
+            compare(whole_octree, whole_expected);
+            compare(whole_volume, whole_expected);
         }
     }
 }

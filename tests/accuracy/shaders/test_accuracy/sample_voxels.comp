@@ -7,7 +7,7 @@ struct Place {
     vec3 uvw;
     float lod;
     vec3 direction;  // unit length
-    float opacity;   // set: of octree_opacity, at the level below lod
+    float opacity;   // set: of coarser_opacity, at the level below lod; below 1 of sample_finest
     vec4 value;      // set
 };
 
@@ -24,7 +24,14 @@ void main() {
     uint i = gl_GlobalInvocationID.x;
     if (i >= push.count) return;
     Place place = places.data[i];
-    places.data[i].value =
-        sample_volume(base, directions, place.uvw, facing_of(place.direction), place.lod, push.resolution);
-    places.data[i].opacity = octree_levels > 0 ? octree_opacity(base, directions, place.uvw, min(int(place.lod), octree_levels)) : 0.0;
+    Facing facing = facing_of(place.direction);
+    vec4 finest = sample_finest(base, place.uvw);
+    vec4 value = sample_volume(base, directions, place.uvw, facing, place.lod, push.resolution);
+    if (whole_levels) {
+        value = place.lod < 1.0 ? finest
+                                : sample_coarser(base, directions, place.uvw, facing, place.lod, push.resolution);
+    }
+    places.data[i].value = value;
+    places.data[i].opacity =
+        place.lod < 1.0 ? finest.a : coarser_opacity(base, directions, place.uvw, int(place.lod), push.resolution);
 }
