@@ -52,6 +52,7 @@ struct Probe {
     std::filesystem::path input = {};
     atmosphere::Settings settings = {};
     SkyTruthSettings truth = {};
+    bool luminance = false;  ///< as one more column
 };
 
 struct Options {

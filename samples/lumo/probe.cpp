@@ -72,13 +72,21 @@ size_t rows_apart(const Questions& questions, const Answers& a, const Answers& b
 }
 
 /// The table with answers, in a file.
-Result<void> write(const std::filesystem::path& file, Table table, const Answers& answers,
-                   std::string_view name) {
-    return add_sky_answers(table, answers, name).and_then([&] { return write_table(file, table); });
+Result<void> write(const std::filesystem::path& file, const Options& options,
+                   const scene::Atmosphere& atmosphere, Table table, const Questions& questions,
+                   const Answers& answers) {
+    const std::string name = scene::printable(options.probe.input.string());
+    return add_sky_answers(table, answers, name)
+        .and_then([&] {
+            return options.probe.luminance
+                       ? add_sky_luminance(table, questions, answers, atmosphere.wavelengths_nm, name)
+                       : Result<void>{};
+        })
+        .and_then([&] { return write_table(file, table); });
 }
 
 Result<int> probe_devices(const Options& options, const scene::Atmosphere& atmosphere, const Table& table,
-                          const Questions& questions, std::string_view name) {
+                          const Questions& questions) {
     int failures = 0;
     std::vector<Answers> all;
     bool software = true;
@@ -95,7 +103,7 @@ Result<int> probe_devices(const Options& options, const scene::Atmosphere& atmos
             if (!answers) return tl::unexpected(answers.error());
             const auto file =
                 devices->size() == 1 ? options.output : tagged(options.output, to_string(info.api));
-            if (const auto done = write(file, table, *answers, name); !done)
+            if (const auto done = write(file, options, atmosphere, table, questions, *answers); !done)
                 return tl::unexpected(done.error());
             all.push_back(std::move(*answers));
             parts.next_device();
@@ -122,7 +130,7 @@ Result<int> probe(const Options& options) {
     if (!table) return tl::unexpected(table.error());
     const auto questions = read_sky_questions(*table, name);
     if (!questions) return tl::unexpected(questions.error());
-    if (!options.reference) return probe_devices(options, *atmosphere, *table, *questions, name);
+    if (!options.reference) return probe_devices(options, *atmosphere, *table, *questions);
 
     Parts parts(options, 1);
     const Answers answers = sky_truth(reference::AtmosphereOptics(*atmosphere), *questions,
@@ -130,7 +138,9 @@ Result<int> probe(const Options& options) {
                                           parts.tell(double(done) / double(questions->size()),
                                                      fmt::format("{} of {} rows", done, questions->size()));
                                       });
-    return write(options.output, *table, answers, name).map([] { return int(exit_done); });
+    return write(options.output, options, *atmosphere, *table, *questions, answers).map([] {
+        return int(exit_done);
+    });
 }
 
 }  // namespace lumo::program

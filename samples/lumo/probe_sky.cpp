@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glm/glm.hpp>
 
 #include "samples/lumo/values.hpp"
 #include "scene/printable.hpp"
+#include "scene/sky.hpp"
 
 namespace lumo::program {
 namespace {
@@ -91,6 +93,28 @@ Result<void> add_sky_answers(Table& table, std::span<const SkyAnswer> answers, s
         for (const scene::Spectrum* values : {&answers[r].value, &answers[r].error})
             for (const double value : *values) cells.push_back(fmt::format("{}", value));
         cells.resize(before + wavelengths * (errors ? 2 : 1));
+    }
+    return {};
+}
+
+Result<void> add_sky_luminance(Table& table, std::span<const Question> questions,
+                               std::span<const SkyAnswer> answers, const scene::Spectrum& wavelengths_nm,
+                               std::string_view file) {
+    constexpr std::string_view column = "luminance";
+    if (table.column(column))
+        return fail(ErrorKind::invalid_file, std::string(file),
+                    fmt::format("has a column {} already", column), "rename it, or leave it out");
+    table.columns.emplace_back(column);
+    constexpr double lumens_per_watt = 683;
+    const glm::dvec3 of_rec709(0.2126390, 0.7151687, 0.0721923);
+    const std::vector<glm::dvec3> weights = scene::rgb_weights(wavelengths_nm);
+    for (size_t r = 0; r < answers.size(); ++r) {
+        const bool light = questions[r].quantity != atmosphere::Quantity::transmittance_to_space &&
+                           questions[r].quantity != atmosphere::Quantity::transmittance_segment;
+        double sum = 0;
+        for (size_t i = 0; i < weights.size(); ++i)
+            sum += lumens_per_watt * glm::dot(of_rec709, weights[i]) * answers[r].value[i];
+        table.rows[r].cells.push_back(light ? fmt::format("{}", sum) : std::string());
     }
     return {};
 }

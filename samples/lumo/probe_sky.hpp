@@ -33,6 +33,12 @@ Result<std::vector<atmosphere::Question>> read_sky_questions(const Table& table,
 /// such a column.
 Result<void> add_sky_answers(Table& table, std::span<const SkyAnswer> answers, std::string_view file);
 
+/// Adds the column luminance: of radiance in cd/m², of irradiance the illuminance in lx, by scene::rgb_weights over all
+/// wavelengths at 683 lm/W; nothing for transmittance. Errors: as add_sky_answers.
+Result<void> add_sky_luminance(Table& table, std::span<const atmosphere::Question> questions,
+                               std::span<const SkyAnswer> answers, const scene::Spectrum& wavelengths_nm,
+                               std::string_view file);
+
 /// How the reference answers.
 struct SkyTruthSettings {
     uint32_t last_order = reference::all_orders;

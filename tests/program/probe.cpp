@@ -5,6 +5,8 @@
 
 #include "program.hpp"
 
+#include "scene/sky.hpp"
+
 namespace lumo::test {
 namespace {
 
@@ -96,6 +98,25 @@ TEST_F(Probe, WhatIsSampledHasAnError) {
             }
         }
     }
+}
+
+/// A sky's against the sum in double precision, and the sun's illuminance above the air.
+TEST_F(Probe, LuminanceIsOfAllWavelengths) {
+    const std::string rows =
+        "radiance_order1,0,60,40,30,\nsun_irradiance,70,,0,,\ntransmittance_to_space,2,80,,,\n";
+    const auto plain = fields(ask(std::string(header) + rows, {"--reference"}));
+    const auto table = fields(ask(std::string(header) + rows, {"--reference", "--luminance"}));
+    ASSERT_EQ(table[0].size(), plain[0].size() + 1);
+    EXPECT_EQ(table[0].back(), "luminance");
+    // Extraterrestrial illuminance: 133 klx (ASTM E-490).
+    EXPECT_NEAR(std::stod(table[2].back()), 133e3, 0.04 * 133e3);
+    EXPECT_EQ(table[3].back(), "");
+    const std::vector<glm::dvec3> weights = scene::rgb_weights({680, 550, 440});
+    double sum = 0;
+    for (size_t i = 0; i < 3; ++i)
+        sum += 683 * glm::dot(glm::dvec3(0.2126, 0.7152, 0.0722), weights[i]) * std::stod(table[1][6 + i]);
+    EXPECT_NEAR(std::stod(table[1].back()), sum, 1e-4 * sum);
+    EXPECT_GT(sum, 500) << "cd/m²: a clear sky";
 }
 
 TEST_F(Probe, ARowsAnswerIsTheSameInAnyTable) {

@@ -124,6 +124,44 @@ TEST_F(Report, FilesAgreeWithEachOtherOnBothApis) {
         EXPECT_NEAR(by_api["vulkan"][i], by_api["gl"][i], 1e-4) << "both APIs draw the same picture";
 }
 
+/// A scene with a sky has a table of what that costs, and no other has.
+TEST_F(Report, SaysWhatTheSkyCosts) {
+    const Arguments all = small("sky", "out", {"--api", "both", "--preset", "fast", "--also", "cones=4"});
+    succeeds(all, own_cache());
+    const Json report = json("out/report.json");
+    const auto csv = lines_of(bytes("out/sky.csv"));
+    const std::string page = bytes("out/index.html");
+    ASSERT_EQ(csv.size(), 1 + 2);
+    EXPECT_THAT(page, HasSubstr("The sky's tables"));
+    size_t line = 1;
+    for (const Json& device : report["devices"]) {
+        ASSERT_EQ(device["sky"].size(), 1) << "up to the frame's preset";
+        const Json& sky = device["sky"][0];
+        const auto row = fields(csv[0], csv[line++]);
+        EXPECT_EQ(row.at("api"), device["api"]);
+        EXPECT_EQ(row.at("preset"), "fast");
+        EXPECT_EQ(std::stoull(row.at("bytes")), sky["bytes"]);
+        EXPECT_NEAR(std::stod(row.at("precomputation_ms")), sky["precomputation_ms"],
+                    1e-5 * double(sky["precomputation_ms"]));
+        EXPECT_GT(sky["ns_per_pixel"], 0);
+        for (const char* name : {"order1", "radiance", "irradiance"}) {
+            const Json& error = sky[name];
+            EXPECT_EQ(error["noise"] == 0, name == std::string("order1")) << "what is exact has no noise";
+            EXPECT_GT(error["worst"], 0) << name;
+            EXPECT_LE(error["median"], error["worst"]);
+            EXPECT_LT(double(error["worst"]), 0.05 + 4 * double(error["noise"])) << name;
+            EXPECT_NEAR(std::stod(row.at(std::string(name) + "_worst")), error["worst"],
+                        1e-5 * double(error["worst"]));
+        }
+        EXPECT_THAT(page, HasSubstr(fmt::format("<td>{:.2f}</td>", 100 * double(sky["radiance"]["worst"]))));
+    }
+    succeeds(all, own_cache());
+    EXPECT_EQ(json("out/report.json"), report) << "nothing is measured twice";
+    succeeds(small("cornell", "none", {"--api", "gl", "--also", "cones=4"}));
+    EXPECT_FALSE(exists("none/sky.csv"));
+    EXPECT_THAT(bytes("none/index.html"), Not(HasSubstr("The sky's tables")));
+}
+
 TEST_F(Report, MarksAsFrontWhatNothingBeats) {
     succeeds(small("cornell", "out", {"--api", "gl", "--vary", "voxels=16,32", "--vary", "cones=3,6"}));
     const Json report = json("out/report.json");

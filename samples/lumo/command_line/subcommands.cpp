@@ -199,6 +199,8 @@ void add_probe(CLI::App& app, Options& options) {
         "or 1; by --reference also error_0 ..., the standard errors of what is sampled")
         ->required();
     add_file(app, "--atmosphere", options.atmosphere, "JSON; Earth, if not given");
+    add_flag(app, "--luminance", probe.luminance,
+             "one more column: of radiance in cd/m², of irradiance in lx, of all wavelengths at 683 lm/W");
     add(app, "--orders", "N|all", "all",
         "of scattering and reflection by the ground, 1 to 1000: of radiance, inscatter and sky_irradiance",
         into(probe.truth.last_order, parse_orders));

@@ -10,6 +10,7 @@
 #include "rhi/device_info.hpp"
 #include "samples/lumo/report/configurations.hpp"
 #include "samples/lumo/report/measurement.hpp"
+#include "samples/lumo/report/sky.hpp"
 #include "scene/image.hpp"
 
 namespace lumo::program {
@@ -25,8 +26,9 @@ struct Row {
 
 struct DeviceFindings {
     rhi::DeviceInfo info;
-    std::vector<Row> rows = {};  ///< by place of the configuration
-    Measurement full_plan = {};  ///< the standard configuration with nothing left out
+    std::vector<Row> rows = {};        ///< by place of the configuration
+    Measurement full_plan = {};        ///< the standard configuration with nothing left out
+    std::vector<SkyFigures> sky = {};  ///< of the presets up to the frame's; none where the scene has no sky
 };
 
 /// A path-traced reference.

@@ -59,6 +59,17 @@ class Schedule {
     Progress progress_;
 };
 
+/// Those of the sky's tables that take no longer than the frame's.
+std::vector<std::string> sky_presets(const Options& options) {
+    const std::string last = options.settings.value("preset", "default");
+    std::vector<std::string> presets;
+    for (const char* preset : {"fast", "default", "precise"}) {
+        presets.emplace_back(preset);
+        if (preset == last) break;
+    }
+    return presets;
+}
+
 double seconds_of(auto&& work) {
     const auto start = std::chrono::steady_clock::now();
     work();
@@ -105,7 +116,10 @@ class Work {
         found.full_plan = std::move(*full);
         if (Result<void> done = add_floors(*device, found); !done) return done;
         mark_front(found);
-        return findings_.devices.size() == 1 ? add_panels(*device, found) : Result<void>{};
+        if (Result<void> done = findings_.devices.size() == 1 ? add_panels(*device, found) : Result<void>{};
+            !done)
+            return done;
+        return scene_.sky ? add_sky(api, found) : Result<void>{};
     }
 
   private:
@@ -137,7 +151,7 @@ class Work {
     Result<Measurement> measure(TrialDevice& device, const Configuration& configuration) {
         const std::string key = key_of(device.info(), configuration);
         schedule_.next(fmt::format("{} {}", to_string(device.info().api), configuration.label));
-        if (const Measurement* known = log_.find(key)) return *known;
+        if (auto known = log_.find_measurement(key)) return *known;
 
         Measurement measured{.key = key, .api = std::string(to_string(device.info().api))};
         Result<void> done;
@@ -191,7 +205,7 @@ class Work {
 
     Result<std::optional<double>> floor_error(TrialDevice& device, const Configuration& rays) {
         const std::string key = key_of(device.info(), rays);
-        const Measurement* known = log_.find(key);
+        auto known = log_.find_measurement(key);
         if (!known) {
             Measurement measured{.key = key, .api = std::string(to_string(device.info().api))};
             Result<std::vector<LayerError>> errors;
@@ -206,7 +220,7 @@ class Work {
             else
                 measured.does_not_fit = to_string(errors.error());
             if (Result<void> kept = log_.add(measured); !kept) return tl::unexpected(kept.error());
-            known = log_.find(key);
+            known = std::move(measured);
         }
         const LayerError* error = error_of(known->errors, findings_.layer);
         return error ? std::optional(error->relative_rmse) : std::nullopt;
@@ -221,6 +235,40 @@ class Work {
         }
         for (const size_t i : pareto_front(choices)) found.rows[i].on_front = true;
         for (size_t i = 0; i < choices.size(); ++i) found.rows[i].above_front = above_front(choices, i);
+    }
+
+    /// What the sky's tables cost by preset, and how far they are from the reference, on a device of their own.
+    Result<void> add_sky(rhi::Api api, DeviceFindings& found) {
+        const std::vector<atmosphere::Question> questions = sky_questions(*scene_.sky);
+        auto device = bench_device(api, options_);
+        if (!device) return tl::unexpected(device.error());
+        for (const std::string& preset : sky_presets(options_)) {
+            schedule_.next(fmt::format("{} sky, {}", to_string(api), preset));
+            const rhi::DeviceInfo& info = device->info();
+            rhi::KeyBuilder key;
+            key.add("sky").add(inputs_).add(preset).add(to_string(info.api)).add(info.name).add(info.driver);
+            const std::string name = hex(key.key());
+            const nlohmann::ordered_json* known = log_.find(name);
+            auto figures = known ? sky_figures_of(*known) : std::nullopt;
+            if (!figures) {
+                Result<SkyFigures> measured;
+                schedule_.took(seconds_of([&] {
+                    measured =
+                        measure_sky(*device, *scene_.sky, preset, questions, known_sky_truth(questions));
+                }));
+                if (!measured) return tl::unexpected(measured.error());
+                if (Result<void> kept = log_.add(name, to_json(*measured)); !kept) return kept;
+                figures = std::move(*measured);
+            }
+            found.sky.push_back(std::move(*figures));
+        }
+        return {};
+    }
+
+    /// Sampled once.
+    const std::vector<SkyAnswer>& known_sky_truth(std::span<const atmosphere::Question> questions) {
+        if (sky_truth_.empty()) sky_truth_ = sky_truth_of(*scene_.sky, questions);
+        return sky_truth_;
     }
 
     /// The reference, the standard configuration, and both ends of the front.
@@ -282,10 +330,11 @@ class Work {
     std::string inputs_;
     std::map<Bounces, reference::PathTraced> truths_;
     std::map<std::string, std::optional<double>> floors_;  ///< by settings
+    std::vector<SkyAnswer> sky_truth_;
 };
 
 /// How many steps measure() takes.
-size_t steps_of(const Findings& findings, size_t apis) {
+size_t steps_of(const Findings& findings, size_t apis, size_t sky_presets) {
     std::vector<std::string> floors;
     std::vector<uint32_t> bounces;
     for (const Configuration& configuration : findings.configurations) {
@@ -297,7 +346,8 @@ size_t steps_of(const Findings& findings, size_t apis) {
         std::ranges::sort(values);
         return size_t(std::unique(values.begin(), values.end()) - values.begin());
     };
-    return distinct(bounces) + 1 + distinct(floors) + apis * (findings.configurations.size() + 1) + 1;
+    return distinct(bounces) + 1 + distinct(floors) +
+           apis * (findings.configurations.size() + 1 + sky_presets) + 1;
 }
 
 }  // namespace
@@ -330,7 +380,8 @@ Result<Findings> measure(const Options& options, const std::filesystem::path& fo
     auto log = MeasurementLog::open(folder / "measured.jsonl", *program);
     if (!log) return tl::unexpected(log.error());
 
-    Schedule schedule(steps_of(findings, apis->size()), options.quiet);
+    const size_t presets = scene->sky ? sky_presets(options).size() : 0;
+    Schedule schedule(steps_of(findings, apis->size(), presets), options.quiet);
     Work work(options, findings, *scene, *camera, *log, schedule);
     if (Result<void> done = work.trace(); !done) return tl::unexpected(done.error());
     for (const rhi::Api api : *apis)

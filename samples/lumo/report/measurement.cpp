@@ -89,7 +89,7 @@ Result<MeasurementLog> MeasurementLog::open(const std::filesystem::path& file, c
     for (std::string line; std::getline(stream, line);) {
         const Json json = Json::parse(line, nullptr, false);
         if (!json.is_object() || json.value("program", "") != program) continue;
-        if (auto measurement = measurement_of(json)) log.known_[measurement->key] = std::move(*measurement);
+        if (json.contains("key") && json["key"].is_string()) log.known_[json["key"]] = json;
     }
     stream.close();
     // Written anew, so that what follows does not end a line that was torn.
@@ -97,8 +97,8 @@ Result<MeasurementLog> MeasurementLog::open(const std::filesystem::path& file, c
     MeasurementLog part(whole, program);
     std::error_code error;
     std::filesystem::remove(whole, error);
-    for (const auto& [key, measurement] : log.known_)
-        if (Result<void> done = part.add(measurement); !done) return tl::unexpected(done.error());
+    for (const auto& [key, json] : log.known_)
+        if (Result<void> done = part.add(key, json); !done) return tl::unexpected(done.error());
     std::filesystem::remove(file, error);
     if (!log.known_.empty()) std::filesystem::rename(whole, file, error);
     if (error)
@@ -107,21 +107,26 @@ Result<MeasurementLog> MeasurementLog::open(const std::filesystem::path& file, c
     return log;
 }
 
-const Measurement* MeasurementLog::find(const std::string& key) const {
+const Json* MeasurementLog::find(const std::string& key) const {
     const auto found = known_.find(key);
     return found == known_.end() ? nullptr : &found->second;
 }
 
-Result<void> MeasurementLog::add(const Measurement& measurement) {
-    Json json{{"program", program_}};
-    json.update(to_json(measurement));
+std::optional<Measurement> MeasurementLog::find_measurement(const std::string& key) const {
+    const Json* json = find(key);
+    return json ? measurement_of(*json) : std::nullopt;
+}
+
+Result<void> MeasurementLog::add(const std::string& key, Json json) {
+    json["program"] = program_;
+    json["key"] = key;
     std::ofstream stream(file_, std::ios::binary | std::ios::app);
     stream << json.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
     stream.close();
     if (!stream)
         return fail(ErrorKind::io, scene::printable(file_.string()), "cannot be written",
                     "check that its folder may be written to and has room");
-    known_[measurement.key] = measurement;
+    known_[key] = std::move(json);
     return {};
 }
 

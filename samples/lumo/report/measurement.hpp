@@ -38,16 +38,19 @@ nlohmann::ordered_json to_json(const Measurement& measurement);
 /// Nothing if it is not what to_json makes.
 std::optional<Measurement> measurement_of(const nlohmann::ordered_json& json);
 
-/// Measurements in a file of a JSON line each, written as soon as they are there.
+/// What was measured, in a file of a JSON line each, written as soon as it is there.
 class MeasurementLog {
   public:
     /// Reads what is there and is whole, of this program alone, which `program` names; the rest is dropped. The folder
     /// exists. Errors: io.
     static Result<MeasurementLog> open(const std::filesystem::path& file, const std::string& program);
 
-    const Measurement* find(const std::string& key) const;
+    /// What was added under the key.
+    const nlohmann::ordered_json* find(const std::string& key) const;
+    std::optional<Measurement> find_measurement(const std::string& key) const;
     /// Errors: io.
-    Result<void> add(const Measurement& measurement);
+    Result<void> add(const std::string& key, nlohmann::ordered_json json);
+    Result<void> add(const Measurement& measurement) { return add(measurement.key, to_json(measurement)); }
 
   private:
     MeasurementLog(std::filesystem::path file, std::string program)
@@ -55,7 +58,7 @@ class MeasurementLog {
 
     std::filesystem::path file_;
     std::string program_;
-    std::map<std::string, Measurement> known_;
+    std::map<std::string, nlohmann::ordered_json> known_;
 };
 
 }  // namespace lumo::program

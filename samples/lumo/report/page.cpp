@@ -195,6 +195,42 @@ std::string left_out(const Findings& findings) {
     return text;
 }
 
+std::string sky(const Findings& findings) {
+    if (findings.devices.front().sky.empty()) return "";
+    std::string text =
+        "<h2>The sky's tables</h2>\n<table>\n<tr><th class=text>API</th><th class=text>preset</th>"
+        "<th>precomputation<br>ms</th><th>MiB</th><th>ns a<br>pixel</th>";
+    for (const char* of : {"order 1", "radiance", "irradiance"})
+        text += fmt::format("<th>{}:<br>median %</th><th>worst %</th>", of);
+    text += "<th>noise of<br>the truth %</th></tr>\n";
+    for (const DeviceFindings& device : findings.devices) {
+        for (const SkyFigures& sky : device.sky) {
+            text += fmt::format(
+                "<tr><td class=text>{}</td><td "
+                "class=text>{}</td><td>{:.0f}</td><td>{:.1f}</td><td>{:.0f}</td>",
+                to_string(device.info.api), escaped(sky.preset), sky.precomputation_ms,
+                double(sky.bytes) / mib, sky.ns_per_pixel);
+            for (const SkyError& error : {sky.order1, sky.radiance, sky.irradiance})
+                text += fmt::format("<td>{}</td><td>{}</td>", percent(error.median), percent(error.worst));
+            text += fmt::format("<td>{}</td></tr>\n",
+                                percent(std::max(sky.radiance.noise, sky.irradiance.noise)));
+        }
+    }
+    return text +
+           "</table>\n<p class=note>Against the double-precision reference, from the scene's origin under "
+           "its "
+           "own sun "
+           "and at 30°, 75° and 88°: four views each for radiance of order 1, which the truth has exactly, "
+           "and of all "
+           "orders, and the irradiance of the sky, which it samples. Of the worst wavelength, relative to "
+           "the "
+           "greater of "
+           "the truth and a thousandth of the brightest view under that sun. Times are wall times; a pixel "
+           "is one of a "
+           "panorama. Presets that take longer than the frame's are measured with "
+           "<code>--preset</code>.</p>\n";
+}
+
 }  // namespace
 
 std::string escaped(std::string_view text) {
@@ -231,7 +267,7 @@ std::string page_of(const Findings& findings, const std::filesystem::path& folde
                "charset=utf-8><title>{}</title>\n<style>{}</style>\n<h1>{}</h1>\n",
                title, style, title) +
            facts(findings) + plots(findings, folder, without_plots) + pictures(findings) + table(findings) +
-           left_out(findings) + "</html>\n";
+           sky(findings) + left_out(findings) + "</html>\n";
 }
 
 }  // namespace lumo::program

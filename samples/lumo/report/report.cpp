@@ -63,6 +63,8 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
 Result<void> write(const Findings& findings, const std::filesystem::path& folder) {
     if (Result<void> done = write_json(folder / "report.json", to_json(findings)); !done) return done;
     if (Result<void> done = write_text(folder / "report.csv", to_csv(findings)); !done) return done;
+    if (const std::string sky = sky_csv(findings); !sky.empty())
+        if (Result<void> done = write_text(folder / "sky.csv", sky); !done) return done;
     const std::string script = "plots.gnuplot";
     if (Result<void> done = write_text(folder / script, gnuplot_script(findings)); !done) return done;
     const Result<void> plotted = draw_plots(findings, folder, script);

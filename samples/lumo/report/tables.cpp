@@ -1,5 +1,6 @@
 #include "samples/lumo/report/tables.hpp"
 
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -71,6 +72,8 @@ Json to_json(const Findings& findings) {
              {"timing_mode", device.info.timing == rhi::Timing::overlapped ? "overlapped" : "serialised"},
              {"configurations", std::move(rows)},
              {"nothing_left_out", to_json(device.full_plan)}});
+        for (const SkyFigures& figures : device.sky)
+            json["devices"].back()["sky"].push_back(to_json(figures));
     }
     return json;
 }
@@ -112,6 +115,34 @@ std::string to_csv(const Findings& findings) {
         }
     }
     return to_csv(table);
+}
+
+std::string sky_csv(const Findings& findings) {
+    Table table{
+        .columns = {"api", "device", "driver", "preset", "precomputation_ms", "bytes", "ns_per_pixel"},
+        .rows = {}};
+    const std::array errors{std::pair{"order1", &SkyFigures::order1},
+                            std::pair{"radiance", &SkyFigures::radiance},
+                            std::pair{"irradiance", &SkyFigures::irradiance}};
+    for (const auto& [name, member] : errors)
+        for (const char* figure : {"median", "worst", "noise"})
+            table.columns.push_back(fmt::format("{}_{}", name, figure));
+    for (const DeviceFindings& device : findings.devices) {
+        for (const SkyFigures& sky : device.sky) {
+            Cells cells{std::string(to_string(device.info.api)),
+                        device.info.name,
+                        device.info.driver,
+                        sky.preset,
+                        cell(sky.precomputation_ms),
+                        fmt::to_string(sky.bytes),
+                        cell(sky.ns_per_pixel)};
+            for (const auto& [name, member] : errors)
+                for (const double figure : {(sky.*member).median, (sky.*member).worst, (sky.*member).noise})
+                    cells.push_back(cell(figure));
+            table.rows.push_back({.cells = std::move(cells)});
+        }
+    }
+    return table.rows.empty() ? std::string() : to_csv(table);
 }
 
 }  // namespace lumo::program

@@ -15,4 +15,7 @@ nlohmann::ordered_json to_json(const Findings& findings);
 /// measured is empty.
 std::string to_csv(const Findings& findings);
 
+/// Likewise one line per preset of the sky's tables and device; empty where the scene has no sky.
+std::string sky_csv(const Findings& findings);
+
 }  // namespace lumo::program
