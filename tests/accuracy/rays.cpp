@@ -262,6 +262,26 @@ TEST_P(RaysTest, LightOfAWallThatEmitsCountsOnce) {
     }
 }
 
+/// An octree has the same voxels, and more blocks to walk through.
+TEST_P(RaysTest, AnOctreeGivesTheSameLight) {
+    for (const char* name : {"cornell", "atrium"}) {
+        const scene::Scene scene = value_of(scene::make_builtin(name));
+        frame::Settings settings{.size = {48, 27}};
+        settings.voxels.resolution = 32;
+        const auto dense = render(scene, settings);
+        settings.voxels.storage = voxels::Storage::octree;
+        const auto sparse = render(scene, settings);
+        double difference = 0, sum = 0;
+        for (size_t i = 0; i < dense[0].values.size(); ++i) {
+            difference += std::abs(double(dense[0].values[i]) - double(sparse[0].values[i]));
+            sum += double(dense[0].values[i]);
+        }
+        RecordProperty(name, fmt::format("{:.1e}", difference / sum));
+        EXPECT_GT(sum, 0);
+        EXPECT_LT(difference, 1e-3 * sum) << name;
+    }
+}
+
 /// Nothing, and a grid that the camera and all that it sees are outside of.
 TEST_P(RaysTest, NothingToMeet) {
     for (const uint32_t rays : {1u, 40u}) {
