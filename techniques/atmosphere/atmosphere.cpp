@@ -257,7 +257,7 @@ Settings settings_of(Preset preset) {
                     .suns = 160,
                     .directions = 27,
                     .degree = 8,
-                    .zeniths = 32,
+                    .zeniths = 40,
                     .azimuths = 12,
                     .table_nodes = 10};
     }
