@@ -29,13 +29,17 @@ vec4 peaks(float nu, int row) {
 // far as it has degrees above air.degree: it is these peaks, times powers of the depth to the sun over factorials.
 const vec3 all_forward = vec3(1.0, 1.0 / 2.0, 1.0 / 6.0);
 
-vec4 forward_of(vec4 depth, vec3 peak) { return depth * (peak.x + depth * (peak.y + depth * peak.z)); }
+// It is so where aerosols are about; far above them none comes from above the sun, and all of it is in the tables.
+vec4 forward_of(vec4 depth, vec3 peak, float density) {
+    return density / (density + 0.01) * depth * (peak.x + depth * (peak.y + depth * peak.z));
+}
 
 vec4 forward_light(float altitude, float mu_sun, vec3 peak) {
     float visible = sun_visibility(altitude, mu_sun);
     if (visible <= 0.0) return vec4(0);
     vec3 to_sun = columns_to_sun(altitude, mu_sun);
-    return visible * transmittance_of(to_sun) * forward_of(air.mie_scattering * to_sun.y, peak);
+    return visible * transmittance_of(to_sun) *
+           forward_of(air.mie_scattering * to_sun.y, peak, densities(altitude).y);
 }
 
 vec4 sky_irradiance_at(float altitude, float mu_sun, vec3 forward) {
@@ -147,7 +151,7 @@ vec4 light_along(AirPath path, float length, float mu_sun, float nu, bool first,
                 source = visible * transmittance_of(to_sun) *
                          (air.rayleigh_scattering * (density.x * rayleigh) +
                           air.mie_scattering * density.y *
-                              (mie + forward_of(air.mie_scattering * to_sun.y, peak)));
+                              (mie + forward_of(air.mie_scattering * to_sun.y, peak, density.y)));
             }
             if (again) source += scattered_again(at.altitude, at.mu, mu_sun_there, nu, density);
             sum += 2.0 * node.x * node.y * (end - begin) * transmittance_of(columns) * max(source, vec4(0));

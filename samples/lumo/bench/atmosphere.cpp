@@ -34,10 +34,13 @@ std::vector<Configuration> configurations() {
         settings.*member = value;
         all.push_back({fmt::format("{} {}", name, value), settings});
     };
+    changed(&Settings::columns, "columns", standard.columns / 2);
     changed(&Settings::altitudes, "altitudes", standard.altitudes / 2);
     changed(&Settings::suns, "suns", standard.suns / 2);
     changed(&Settings::directions, "directions", standard.directions / 2);
     changed(&Settings::zeniths, "zeniths", standard.zeniths / 2);
+    changed(&Settings::azimuths, "azimuths", standard.degree + 1);  // no fewer
+    changed(&Settings::table_nodes, "table_nodes", standard.table_nodes / 2);
     changed(&Settings::nodes, "nodes", standard.nodes / 2);
     return all;
 }
