@@ -145,6 +145,63 @@ Light sun_light(const Sky& sky) {
             .direction = -sky.direction_to_sun};
 }
 
+Daylight daylight(const Sky& sky) {
+    const Atmosphere& a = sky.atmosphere;
+    const glm::dvec3 to_sun(sky.direction_to_sun);
+    const std::vector<glm::dvec3> weights = rgb_weights(a.wavelengths_nm);
+    const double r = a.radius_ground_km + sky.altitude_km;
+    const double g = a.mie ? a.mie->g : 0;
+    constexpr double pi = 3.14159265358979;
+    constexpr int zeniths = 4, azimuths = 4, steps = 24;
+
+    glm::dvec3 irradiance(0);
+    for (int direction = 0; direction < (sky.altitude_km < a.height_km() ? zeniths * azimuths : 0);
+         ++direction) {
+        // As much irradiance of a constant sky from each; the half away from the sun's plane is as the other.
+        const double cosine = std::sqrt((direction / azimuths + 0.5) / zeniths);
+        const double sine = std::sqrt(1 - cosine * cosine);
+        const double azimuth = pi * (direction % azimuths + 0.5) / azimuths + std::atan2(to_sun.z, to_sun.x);
+        const glm::dvec3 way(sine * std::cos(azimuth), cosine, sine * std::sin(azimuth));
+        const double nu = glm::dot(way, to_sun);
+        const double rayleigh_phase = 3 / (16 * pi) * (1 + nu * nu);
+        const double mie_phase = 3 / (8 * pi) * (1 - g * g) * (1 + nu * nu) /
+                                 ((2 + g * g) * std::pow(1 + g * g - 2 * g * nu, 1.5));
+        const double end =
+            -r * cosine + std::sqrt((a.radius_top_km - r * sine) * (a.radius_top_km + r * sine));
+        Columns before;
+        Spectrum radiance(weights.size(), 0.0);
+        for (int i = 0; i < steps; ++i) {
+            const double from = end * (i * i) / (steps * steps),
+                         to = end * ((i + 1) * (i + 1)) / (steps * steps);
+            const glm::dvec3 at = glm::dvec3(0, r, 0) + 0.5 * (from + to) * way;
+            const double altitude = glm::length(at) - a.radius_ground_km;
+            Columns step;
+            add_densities(step, a, altitude, to - from);
+            const Spectrum sunlight = sun_transmittance(a, altitude, glm::dot(at, to_sun) / glm::length(at));
+            for (size_t w = 0; w < radiance.size(); ++w) {
+                double depth = 0, scattered = 0;
+                if (a.rayleigh) {
+                    depth += a.rayleigh->scattering_per_km[w] * (before.rayleigh + 0.5 * step.rayleigh);
+                    scattered += a.rayleigh->scattering_per_km[w] * step.rayleigh * rayleigh_phase;
+                }
+                if (a.mie) {
+                    depth += a.mie->extinction_per_km[w] * (before.mie + 0.5 * step.mie);
+                    scattered += a.mie->scattering_per_km[w] * step.mie * mie_phase;
+                }
+                if (a.ozone) depth += a.ozone->extinction_per_km[w] * (before.ozone + 0.5 * step.ozone);
+                radiance[w] += a.sun_irradiance[w] * sunlight[w] * scattered * std::exp(-depth);
+            }
+            before.rayleigh += step.rayleigh;
+            before.mie += step.mie;
+            before.ozone += step.ozone;
+        }
+        irradiance += pi / (zeniths * azimuths) * to_rgb(weights, radiance);
+    }
+    const glm::dvec3 luminance(0.2126, 0.7152, 0.0722);
+    return {.sun = glm::dot(glm::dvec3(sun_light(sky).intensity), luminance),
+            .sky = glm::dot(irradiance, luminance)};
+}
+
 void set_sky(Scene& scene, Sky sky) {
     std::erase_if(scene.lights, [](const Light& light) { return light.kind == LightKind::directional; });
     scene.lights.insert(scene.lights.begin(), sun_light(sky));

@@ -30,6 +30,15 @@ Spectrum sun_transmittance(const Atmosphere& atmosphere, double altitude_km, dou
 /// The sun at the world's origin as a directional light; intensity 0 where it is below the horizon.
 Light sun_light(const Sky& sky);
 
+/// Luminous irradiance over 683 lm/W at the world's origin, W/m².
+struct Daylight {
+    double sun = 0;  ///< on a plane that faces it
+    double sky =
+        0;  ///< on a level plane: of light that the air scattered once, at most 2.5 times less than all
+};
+/// For exposures.
+Daylight daylight(const Sky& sky);
+
 /// Gives the scene this sky, with its sun in place of all directional lights and of the constant environment.
 void set_sky(Scene& scene, Sky sky);
 

@@ -1,9 +1,23 @@
 #include "techniques/frame/plan.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
+#include "scene/sky.hpp"
+
 namespace lumo::frame {
+namespace {
+
+/// Where the sun lights nothing, the sky is the brightest that is seen, and keeps below white.
+float dusk_of(const scene::Sky& sky) {
+    constexpr double brightest_of_sky = 4;  // over its mean
+    const scene::Daylight light = scene::daylight(sky);
+    const double seen = light.sun + brightest_of_sky * light.sky;
+    return std::clamp(float(std::log2(full_daylight / seen)), 0.0f, darkest_dusk);
+}
+
+}  // namespace
 
 SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
     SceneFacts facts{.triangles = scene.triangle_count()};
@@ -23,6 +37,7 @@ SceneFacts examine(const scene::Scene& scene, const Settings& settings) {
         }
     }
     facts.sky = scene.sky.has_value();
+    if (facts.sky) facts.dusk = dusk_of(*scene.sky);
     facts.environment = facts.sky || scene.environment_radiance != glm::vec3(0);
     for (const scene::Light& light : shadow::drawn_lights(scene.lights)) {
         facts.several_lights |= facts.lights || light.kind != scene::LightKind::directional;
@@ -37,7 +52,7 @@ Settings resolve(Settings settings, const SceneFacts& facts) {
         settings.range.value_or(facts.wide_range() ? voxels::Range::fixed : voxels::Range::ldr);
     settings.rays = settings.rays.value_or(settings.gatherer == Gatherer::floor ? 256 : 16);
     settings.post.exposure =
-        settings.exposure.value_or(facts.sky ? daylight_exposure : settings.post.exposure);
+        settings.exposure.value_or(facts.sky ? daylight_exposure + facts.dusk : settings.post.exposure);
     return settings;
 }
 

@@ -24,6 +24,7 @@ struct SceneFacts {
     bool specular = false;        ///< some lit surface is not purely diffuse under these settings
     bool environment = false;     ///< light comes from outside the scene
     bool sky = false;             ///< … of an atmosphere
+    float dusk = 0;               ///< stops from a high sun's light down to that sky's, at most darkest_dusk
     bool lights = false;          ///< analytic lights shine
     bool several_lights = false;  ///< … and not one directional light alone
     uint32_t light_cameras = 0;   ///< shadow maps that they need

@@ -44,6 +44,9 @@ enum class Gatherer : uint8_t { cones, rays, floor };
 
 /// Stops at which a white wall in sunlight is about white.
 inline constexpr float daylight_exposure = -5;
+/// The light that those are for, W/m² (scene::Daylight); and how many more a darker sky gets at most: nights stay dark.
+inline constexpr double full_daylight = 200;
+inline constexpr float darkest_dusk = 10;
 
 struct Settings {
     rhi::Extent size{960, 540};  ///< pixels
@@ -62,7 +65,8 @@ struct Settings {
     std::optional<float> ao_radius = {};
     shadow::Settings shadow = {};
     sky::Settings sky = {};
-    std::optional<float> exposure = {};  ///< post.exposure; none: that, or daylight_exposure under a sky
+    /// post.exposure; none: that, or under a sky daylight_exposure, and more in dusk.
+    std::optional<float> exposure = {};
     post::Settings post = {};
 
     bool wants(Layer layer) const;

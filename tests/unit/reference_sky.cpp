@@ -41,6 +41,29 @@ TEST(SunLight, IsWhatTheExactColumnsLetThrough) {
     }
 }
 
+TEST(Daylight, IsTheSunsAndMostOfTheSkys) {
+    const AtmosphereOptics optics(scene::earth());
+    const auto weights = scene::rgb_weights(scene::earth().wavelengths_nm);
+    const glm::dvec3 luminance(0.2126, 0.7152, 0.0722);
+    for (const double degrees : {0.0, 60.0, 85.0, 90.0, 92.0, 96.0}) {
+        SCOPED_TRACE(degrees);
+        const double zenith = glm::radians(degrees);
+        const scene::Sky sky{.direction_to_sun = glm::vec3(std::sin(zenith), std::cos(zenith), 0)};
+        const Estimate all = sky_irradiance(optics, {.sun_zenith_deg = degrees},
+                                            {.first_order = 1, .last_order = all_orders, .samples = 4000});
+        const double expected = glm::dot(scene::to_rgb(weights, all.mean), luminance);
+        const scene::Daylight found = scene::daylight(sky);
+        EXPECT_LT(found.sky, 1.1 * expected);
+        EXPECT_GT(found.sky, 0.4 * expected);
+        EXPECT_NEAR(found.sun, glm::dot(glm::dvec3(scene::sun_light(sky).intensity), luminance), 1e-9);
+    }
+    scene::Sky above{.direction_to_sun = {0, 1, 0}, .altitude_km = 400};
+    EXPECT_NEAR(scene::daylight(above).sun * 683, 133e3, 4e3) << "lux";
+    EXPECT_EQ(scene::daylight(above).sky, 0);
+    above.direction_to_sun = {0, -1, 0};
+    EXPECT_EQ(scene::daylight(above).sun, 0);
+}
+
 /// Radiance by direction: brighter above, and brightest about +x.
 glm::dvec3 light(glm::dvec3 d) {
     return glm::dvec3(1, 0.5, 0.25) * (0.2 + std::max(d.y, 0.0)) +

@@ -111,6 +111,7 @@ TEST(Plan, SkyIsMadeWhereItLightsOrIsSeen) {
 TEST(Resolve, ExposureIsTheSkysUnlessAsked) {
     EXPECT_EQ(resolve({}, {}).post.exposure, 0);
     EXPECT_EQ(resolve({}, {.sky = true}).post.exposure, daylight_exposure);
+    EXPECT_EQ(resolve({}, {.sky = true, .dusk = 3}).post.exposure, daylight_exposure + 3);
     EXPECT_EQ(resolve({.exposure = 1.5f}, {.sky = true}).post.exposure, 1.5f);
     EXPECT_EQ(resolve({.post = {.exposure = -2}}, {}).post.exposure, -2);
 }

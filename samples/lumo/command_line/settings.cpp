@@ -222,7 +222,8 @@ SettingOptions add_picture_settings(CLI::App& app, Options& options) {
     frame::Settings& frame = options.frame;
 
     setting("--exposure", "STOPS|auto", "auto",
-            fmt::format("of display-referred pictures; auto: 0, or {} under a sky", frame::daylight_exposure),
+            fmt::format("of display-referred pictures; auto: 0, or under a sky {}, and more the darker it is",
+                        frame::daylight_exposure),
             [&](const std::string& text) -> Result<void> {
                 frame.exposure.reset();
                 if (text == "auto") return {};
