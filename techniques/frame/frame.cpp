@@ -125,6 +125,7 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& asked, const Pl
         needs.indirect = gathers;
         needs.specular = specular;
         needs.sky = frame.sky_pixels_;
+        needs.blend_air = plan.needs("blend.air");
         needs.sky_in_parts = frame.sky_pixels_ && frame.sky_->parts() > 1;
         needs.emission = gbuffer_needs.emission;
         needs.layers = settings.wants(Layer::direct) || settings.wants(Layer::indirect);

@@ -140,6 +140,11 @@ Plan make_plan(const SceneFacts& facts, const Settings& settings) {
            settings.diffuse_materials ? "materials are taken as diffuse" : "every material is unlit",
            !settings.diffuse_materials);
     decide("blend", facts.alpha_blend, "some materials are blended", "no material has alpha mode BLEND");
+    decide("blend.air", facts.alpha_blend && facts.sky && shown,
+           "blended surfaces are seen through the sky's air",
+           !facts.alpha_blend ? "no material has alpha mode BLEND"
+           : facts.sky        ? "no layer shows the sky"
+                              : "the scene has no sky");
     decide("post", settings.wants(Layer::final), "the picture is for a display",
            "no layer is display-referred");
     return plan;

@@ -90,7 +90,7 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
             return made.make_blend_pipelines(device, made.blended_indirect_,
                                              {.analytic_lights = needs.lights,
                                               .diffuse_materials = needs.diffuse_materials,
-                                              .air_before = needs.sky,
+                                              .air_before = needs.blend_air,
                                               .air_in_parts = needs.sky_in_parts,
                                               .gather_emission = needs.gather.emission,
                                               .gather_environment = needs.gather.environment,
@@ -103,11 +103,11 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
             return made.make_blend_pipelines(device, made.blended_,
                                              {.analytic_lights = needs.lights,
                                               .diffuse_materials = needs.diffuse_materials,
-                                              .air_before = needs.sky,
+                                              .air_before = needs.blend_air,
                                               .air_in_parts = needs.sky_in_parts});
         });
     }
-    if (needs.blend && needs.sky_in_parts) {
+    if (needs.blend_air && needs.sky_in_parts) {
         done = done.and_then([&] { return make_target(made.share_, "lighting.share", blend_usage); })
                    .and_then([&] {
                        return device.create_compute_pipeline<shaders::lighting::add>().map(
@@ -196,7 +196,7 @@ void Lighting::draw_blended(rhi::RasterPass& pass, const BlendPipelines<P>& pipe
 void Lighting::blend(rhi::Commands& commands, const Inputs& inputs, const AnalyticLights& lights) {
     const gbuffer::View& g = inputs.gbuffer;
     std::vector<sky::Air> parts;
-    if (inputs.sky) {
+    if (needs_.blend_air) {
         parts = inputs.sky->before;
     } else {
         const rhi::Sampled<Dimension::d2> unread(g.base_color_metallic, sampler_);

@@ -29,6 +29,7 @@ struct Needs {
     bool sky_in_parts = false;        ///< … of more than four wavelengths
     bool layers = false;              ///< direct and indirect radiance are wanted by themselves
     bool blend = false;               ///< some surface is blended
+    bool blend_air = false;           ///< … through the air of a sky
     bool blend_double_sided = false;  ///< … and seen from both sides
     bool blend_mirrored = false;      ///< … and in an instance that turns the winding
     bool diffuse_materials = false;   ///< every surface is Lambertian with its base colour

@@ -101,11 +101,17 @@ TEST(Plan, SkyIsMadeWhereItLightsOrIsSeen) {
     EXPECT_TRUE(unseen.needs("sky.map"));
     EXPECT_FALSE(unseen.needs("sky.pixels"));
     EXPECT_THAT(item(unseen, "sky.pixels").why, HasSubstr("no layer"));
+    EXPECT_FALSE(make_plan(facts, {}).needs("blend.air"));
+    facts.alpha_blend = true;
+    EXPECT_TRUE(make_plan(facts, {}).needs("blend.air"));
+    EXPECT_THAT(item(make_plan(facts, {.layers = {Layer::irradiance}}), "blend.air").why,
+                HasSubstr("no layer"));
     facts.triangles = 0;
     EXPECT_FALSE(make_plan(facts, {}).needs("sky.map"));
     EXPECT_TRUE(make_plan(facts, {}).needs("sky.pixels"));
     facts.sky = false;
     EXPECT_THAT(item(make_plan(facts, {}), "sky.pixels").why, HasSubstr("no sky"));
+    EXPECT_THAT(item(make_plan(facts, {}), "blend.air").why, HasSubstr("no sky"));
 }
 
 TEST(Resolve, ExposureIsTheSkysUnlessAsked) {
