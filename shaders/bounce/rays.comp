@@ -8,5 +8,5 @@ const int gather_binding = 5;
 vec3 side_irradiance(vec3 position, vec3 side, uint turn) {
     vec3 start = ray_start(position, side, side);
     return rays_irradiance(start, side, side, turn, 0, push.rays, push.rays) +
-           emitter_irradiance_by_rays(position, start, side);
+           emitter_irradiance_by_rays(position, start, side, turn);
 }

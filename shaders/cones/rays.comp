@@ -42,9 +42,9 @@ void main() {
         vec3 normal = unit(texelFetch(normal_roughness, pixel, 0).xyz);
         // What the eye sees is free toward the eye.
         vec3 start = ray_start(position, geometric_normal, direction_to_eye(world));
-        gathered = rays_irradiance(start, geometric_normal, normal, turn_of(uvec2(pixel)), push.first_ray, push.end_ray,
-                                   push.rays);
-        if (push.first_ray == 0) gathered += emitter_irradiance_by_rays(position, start, normal);
+        uint turn = turn_of(uvec2(pixel));
+        gathered = rays_irradiance(start, geometric_normal, normal, turn, push.first_ray, push.end_ray, push.rays);
+        if (push.first_ray == 0) gathered += emitter_irradiance_by_rays(position, start, normal, turn);
     }
     if (push.first_ray > 0) gathered += imageLoad(irradiance, pixel).rgb;
     imageStore(irradiance, pixel, vec4(gathered, 1));

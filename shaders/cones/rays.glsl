@@ -150,12 +150,24 @@ vec3 ray_start(vec3 position, vec3 geometric_normal, vec3 free) {
     return origin + free * way;
 }
 
-// Irradiance from the emitters that are lit by one by one, W/m². `start`: where the surface's rays start.
-vec3 emitter_irradiance_by_rays(vec3 position, vec3 start, vec3 normal) {
+// A point of an emitter, of 16 that are spread over the disk of its extent, about where a path to it ends.
+vec3 point_of_emitter(EmitterCell emitter, vec3 end, uint turn) {
+    const float golden_angle = 2.39996323;
+    float place = float(turn % uint(turns));
+    float radius = sqrt(2.0 * emitter.position_spread.w * (place + 0.5) / float(turns));
+    vec3 offset = radius * vec3(cos(golden_angle * place), sin(golden_angle * place), 0);
+    return end + transform(frame_about(unit(end - cap_of(emitter).center)), offset);
+}
+
+// Irradiance from the emitters that are lit by one by one, W/m². `start`: where the surface's rays start. `turn`: as
+// turn_of; each place of a pattern looks at other points of them, so that shadows have the penumbra of their extent.
+vec3 emitter_irradiance_by_rays(vec3 position, vec3 start, vec3 normal, uint turn) {
     vec3 sum = vec3(0);
     for (int i = 0; gather_emission && i < emitters.count; ++i) {
-        EmitterLight light = emitter_light(emitters.data[i], position, normal);
-        if (light.irradiance != vec3(0)) sum += light.irradiance * ray_visibility(start, light.end);
+        EmitterCell emitter = emitters.data[i];
+        EmitterLight light = emitter_light(emitter, position, normal);
+        if (light.irradiance != vec3(0))
+            sum += light.irradiance * ray_visibility(start, point_of_emitter(emitter, light.end, turn));
     }
     return sum;
 }
