@@ -98,6 +98,11 @@ TEST_F(FrameParityTest, Sky) {
     scene::Scene scene = must(scene::make_builtin("sky"));
     expect_parity(scene, settings);
     set_sky(scene, {.direction_to_sun = glm::normalize(glm::vec3(0.5f, -0.07f, -1))});
+    for (scene::Material& material : scene.materials) {
+        if (material.name != "white") continue;
+        material.alpha_mode = scene::AlphaMode::blend;
+        material.base_color.a = 0.5f;
+    }
     settings.layers = {Layer::radiance, Layer::irradiance, Layer::specular};
     expect_parity(scene, settings);
 }
