@@ -35,35 +35,47 @@ struct Seen {
 };
 
 // Optical depths add along a path, opacities do not: a wall that is opaque along one axis stays so for a slanted ray.
-vec4 combine(Seen seen, Facing facing) {
+struct Depth {
+    float sum;
+    vec3 color;  // times depth
+};
+
+void add_depth(inout Depth depth, vec4 stored, float length) {
     // The cap keeps the depth of an opaque voxel finite.
     const float most_opaque = 0.996;
-    float depth = 0.0;
-    vec3 color = vec3(0);
-    for (int axis = 0; axis < 3; ++axis) {
-        vec4 stored = seen.along[axis];
-        float part = -facing.lengths[axis] * log(1.0 - min(stored.a, most_opaque));
-        depth += part;
-        color += part * stored.rgb / max(stored.a, 1e-4);
-    }
-    float opacity = 1.0 - exp(-depth);
-    return depth > 0.0 ? vec4(color / depth, 1) * opacity : vec4(0);
+    float part = -length * log(1.0 - min(stored.a, most_opaque));
+    depth.sum += part;
+    depth.color += part * stored.rgb / max(stored.a, 1e-4);
+}
+
+vec4 value_of(Depth depth) {
+    float opacity = 1.0 - exp(-depth.sum);
+    return depth.sum > 0.0 ? vec4(depth.color / depth.sum, 1) * opacity : vec4(0);
+}
+
+vec4 combine(Seen seen, Facing facing) {
+    Depth depth = Depth(0.0, vec3(0));
+    for (int axis = 0; axis < 3; ++axis) add_depth(depth, seen.along[axis], facing.lengths[axis]);
+    return value_of(depth);
 }
 
 vec4 sample_directions(sampler3D directions, vec3 uvw, Facing facing, float lod, float resolution) {
     // Half a texel of the coarser level that is filtered keeps neighbours in the atlas apart.
     float margin = exp2(ceil(lod)) / resolution;
     float x = margin < 0.5 ? clamp(uvw.x, margin, 1.0 - margin) : 0.5;
-    Seen seen;
-    seen.along[0] = textureLod(directions, vec3((float(facing.slots.x) + x) / 6.0, uvw.yz), lod);
-    vec4 value = vec4(0);
-    // What is empty one way is so every way: along most of a path one look is enough.
-    if (seen.along[0].a > 0.0) {
-        seen.along[1] = textureLod(directions, vec3((float(facing.slots.y) + x) / 6.0, uvw.yz), lod);
-        seen.along[2] = textureLod(directions, vec3((float(facing.slots.z) + x) / 6.0, uvw.yz), lod);
-        value = combine(seen, facing);
-    }
-    return value;
+    Depth depth = Depth(0.0, vec3(0));
+    int axis = 0;
+    bool empty;
+    // What is empty one way is so every way: along most of a path one look is enough. A loop, since both sides of a branch
+    // are run on software drivers.
+    do {
+        vec4 stored = textureLod(directions, vec3((float(facing.slots.x) + x) / 6.0, uvw.yz), lod);
+        add_depth(depth, stored, facing.lengths.x);
+        empty = stored.a == 0.0;
+        facing = Facing(facing.slots.yzx, facing.lengths.yzx);
+        ++axis;
+    } while (!empty && axis < 3);
+    return value_of(depth);
 }
 
 // A place in a brick's pool, in texels; `there` is false where there is nothing but empty voxels.

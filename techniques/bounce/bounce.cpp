@@ -18,7 +18,7 @@ Result<Bounce> Bounce::create(rhi::Device& device, const Settings& settings, con
         if (!light) return tl::unexpected(light.error());
         made.radiance_[i] = std::move(*light);
     }
-    auto sampler = device.create_sampler({.mip = rhi::FilterMode::linear});
+    auto sampler = device.create_sampler(cones::volume_sampling(settings.cones));
     if (!sampler) return tl::unexpected(sampler.error());
     made.volume_sampler_ = std::move(*sampler);
 

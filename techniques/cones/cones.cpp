@@ -21,8 +21,7 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
                              .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::storage})
             .map(keep(made.irradiance_))
             .and_then([&] {
-                return device.create_sampler({.mip = rhi::FilterMode::linear})
-                    .map(keep(made.volume_sampler_));
+                return device.create_sampler(volume_sampling(settings)).map(keep(made.volume_sampler_));
             })
             .and_then([&] {
                 return device

@@ -27,6 +27,10 @@ GatherBlock gather_block(const Distribution& distribution, const Source& source)
 
 }  // namespace
 
+rhi::SamplerDesc volume_sampling(const Settings& settings) {
+    return {.mip = settings.turned ? rhi::FilterMode::nearest : rhi::FilterMode::linear};
+}
+
 Gather make_gather(rhi::Commands& commands, const Distribution& distribution, const Source& source,
                    rhi::SamplerHandle volume_sampler) {
     const voxels::View& volume = source.volume;

@@ -48,7 +48,10 @@ struct Source {
     std::optional<rhi::Sampled<rhi::Dimension::d3>> sky = {};
 };
 
-/// For programs of this submission. `volume_sampler` filters linearly, mips too.
+/// How cones read volumes: linearly, between mips too, but where those of a pattern read one of them at a time.
+rhi::SamplerDesc volume_sampling(const Settings& settings);
+
+/// For programs of this submission. `volume_sampler`: as volume_sampling has it for these cones.
 Gather make_gather(rhi::Commands& commands, const Distribution& distribution, const Source& source,
                    rhi::SamplerHandle volume_sampler);
 
