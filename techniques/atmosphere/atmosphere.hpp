@@ -34,9 +34,9 @@ struct Settings {
     uint32_t altitudes = 32;   ///< of the tables of scattered light, 2 to 512
     uint32_t suns = 160;       ///< sun zenith angles, 2 to 1024
     uint32_t directions = 16;  ///< zenith angles into which aerosols send light on, 4 to 128
-    uint32_t degree = 4;     ///< of azimuths of that light, 2 to 15; (degree + 1) * directions is at most 251
-    uint32_t zeniths = 32;   ///< from which light is gathered, 6 to 128
-    uint32_t azimuths = 10;  ///< likewise over half a turn, 3 to 128; more than the degree
+    uint32_t degree = 4;    ///< of azimuths of that light, 2 to 15; (degree + 1) * directions is at most 251
+    uint32_t zeniths = 24;  ///< from which light is gathered, 6 to 128
+    uint32_t azimuths = 8;  ///< likewise over half a turn, 3 to 128; more than the degree
     uint32_t table_nodes = 10;  ///< of a ray's quadrature while tables are made, 4 to 16
     uint32_t nodes = 16;        ///< and when the sky is looked at, 4 to 16
 };
