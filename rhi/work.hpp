@@ -22,6 +22,10 @@ struct Groups {
 
 /// Groups of `local` that cover `count` items.
 constexpr uint32_t groups_for(uint32_t count, uint32_t local) { return (count + local - 1) / local; }
+constexpr Groups groups_for(Extent items, Extent local) {
+    return {groups_for(items.width, local.width), groups_for(items.height, local.height),
+            groups_for(items.depth, local.depth)};
+}
 
 enum class IndexType : uint8_t { uint16, uint32 };
 

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <numbers>
 
+#include "rhi/keep.hpp"
 #include "techniques/atmosphere/quadrature.hpp"
 
 namespace lumo::atmosphere {
@@ -374,7 +375,7 @@ Result<void> Tables::create_resources(rhi::Device& device, const scene::Atmosphe
 
 Result<void> Tables::create_pipelines(rhi::Device& device) {
     const auto create = [&]<class P>(rhi::ComputePipeline<P>& pipeline) {
-        return device.create_compute_pipeline<P>().map([&](auto created) { pipeline = std::move(created); });
+        return device.create_compute_pipeline<P>().map(keep(pipeline));
     };
     return create(columns_pipeline_)
         .and_then([&] { return create(rays_pipeline_); })

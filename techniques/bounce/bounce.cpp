@@ -1,5 +1,6 @@
 #include "techniques/bounce/bounce.hpp"
 
+#include "rhi/keep.hpp"
 #include "techniques/cones/gather.hpp"
 
 namespace lumo::bounce {
@@ -42,7 +43,7 @@ Result<void> Bounce::create_pipelines(rhi::Device& device, const voxels::Volume&
                  .whole_levels = distribution_.sets > 1,
                  .gather_sky = needs_.sky,
                  .several_lights = needs_.several_lights})
-            .map([&](auto created) { pipeline = std::move(created); });
+            .map(keep(pipeline));
     };
     // Emission and environment are reflected for the first time by the first gather, which must not add what the
     // injection has reflected already; where there are analytic lights alone the first gather is the second reflection.

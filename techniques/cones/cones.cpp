@@ -1,5 +1,6 @@
 #include "techniques/cones/cones.hpp"
 
+#include "rhi/keep.hpp"
 #include "techniques/cones/gather.hpp"
 
 namespace lumo::cones {
@@ -12,7 +13,6 @@ Result<Irradiance> Irradiance::create(rhi::Device& device, const Settings& setti
     made.distribution_ = distribution_of(settings);
     made.size_ = size;
     made.name_ = needs.occlusion ? "cones.ao" : "cones.irradiance";
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     Result<void> done =
         device
             .create_texture({.name = std::string(made.name_),
@@ -68,7 +68,7 @@ rhi::View<Dimension::d2> Irradiance::record(rhi::Commands& commands, const gbuff
                    .irradiance = mean_ ? mean_->gathered() : irradiance,
                    .sky_map = gather.sky,
                    .voxel_nodes = gather.nodes},
-                  {}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
+                  {}, rhi::groups_for(size_, {8, 8}));
     if (mean_) mean_->record(pass, gbuffer, source.volume.grid.voxel_size, irradiance);
     return irradiance;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::cones {
 namespace {
 
@@ -26,7 +28,6 @@ Result<Emitters> Emitters::create(rhi::Device& device, const voxels::Settings& v
     for (int side = made.finest_; side >= coarsest; side /= 2, ++made.levels_)
         cells += uint64_t(side) * uint64_t(side) * uint64_t(side);
 
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     return device.create_buffer({.name = "cones.emitter_cells", .size = cells * cell_bytes})
         .map(keep(made.cells_))
         .and_then([&] {

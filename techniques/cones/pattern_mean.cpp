@@ -1,5 +1,7 @@
 #include "techniques/cones/pattern_mean.hpp"
 
+#include "rhi/keep.hpp"
+
 namespace lumo::cones {
 
 using rhi::Dimension;
@@ -7,7 +9,6 @@ using rhi::Dimension;
 Result<PatternMean> PatternMean::create(rhi::Device& device, const std::string& name, rhi::Extent size) {
     PatternMean made;
     made.size_ = size;
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     return device
         .create_texture({.name = name,
                          .format = rhi::Format::rgba32_float,
@@ -35,7 +36,7 @@ void PatternMean::record(rhi::Pass& pass, const gbuffer::View& gbuffer, float re
                    .geometric_normal_occlusion = {gbuffer.geometric_normal_occlusion, point_sampler_},
                    .camera = gbuffer.camera,
                    .smoothed = mean},
-                  {.reach = reach}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
+                  {.reach = reach}, rhi::groups_for(size_, {8, 8}));
 }
 
 }  // namespace lumo::cones

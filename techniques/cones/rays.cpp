@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::cones {
 namespace {
 
@@ -19,7 +21,6 @@ Result<Rays> Rays::create(rhi::Device& device, const RaySettings& settings, cons
     Rays made;
     made.rays_ = std::clamp(settings.count, 1u, max_rays);
     made.size_ = size;
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     Result<void> done =
         device
             .create_texture({.name = "cones.rays",

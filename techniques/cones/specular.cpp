@@ -6,6 +6,8 @@
 #include <glm/gtc/packing.hpp>
 #include <span>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::cones {
 namespace {
 
@@ -55,7 +57,6 @@ std::vector<glm::vec2> specular_reflectance(uint32_t side) {
 Result<Specular> Specular::create(rhi::Device& device, const Needs& needs, rhi::Extent size) {
     Specular made;
     made.size_ = size;
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     return device
         .create_texture({.name = "cones.specular",
                          .format = rhi::Format::rgba32_float,
@@ -118,7 +119,7 @@ rhi::View<Dimension::d2> Specular::record(rhi::Commands& commands, const gbuffer
                    .emitters = gather.emitters,
                    .sky_map = gather.sky,
                    .voxel_nodes = gather.nodes},
-                  {}, {rhi::groups_for(size_.width, 8), rhi::groups_for(size_.height, 8)});
+                  {}, rhi::groups_for(size_, {8, 8}));
     return specular_.view<Dimension::d2>();
 }
 

@@ -3,19 +3,11 @@
 #include <algorithm>
 #include <cstring>
 
+#include "rhi/keep.hpp"
 #include "techniques/cones/gather.hpp"
 #include "techniques/voxels/octree_statistics.hpp"
 
 namespace lumo::frame {
-namespace {
-
-/// Moves what was made into its place, or hands on why it was not.
-template <class T>
-Result<void> keep(Result<T> made, std::optional<T>& place) {
-    return std::move(made).map([&](T value) { place = std::move(value); });
-}
-
-}  // namespace
 
 Result<Frame> Frame::create(rhi::Device& device, const Settings& asked, const Plan& plan,
                             const SceneFacts& facts, const scene::GeometryView& geometry,
@@ -33,22 +25,23 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& asked, const Pl
     gbuffer_needs.emission = plan.needs("gbuffer.emission");
     gbuffer_needs.alpha_mask = plan.needs("gbuffer.mask");
     gbuffer_needs.normal_maps = plan.needs("gbuffer.normal_maps");
-    Result<void> made = keep(gbuffer::GBuffer::create(device, settings.size, gbuffer_needs), frame.gbuffer_);
+    Result<void> made =
+        gbuffer::GBuffer::create(device, settings.size, gbuffer_needs).map(keep(frame.gbuffer_));
 
     if (made && plan.needs("shadow")) {
-        made = keep(shadow::Shadow::create(device, settings.shadow,
-                                           {.alpha_mask = plan.needs("gbuffer.mask"),
-                                            .cameras = std::max(facts.light_cameras, 1u)}),
-                    frame.shadow_);
+        made = shadow::Shadow::create(
+                   device, settings.shadow,
+                   {.alpha_mask = plan.needs("gbuffer.mask"), .cameras = std::max(facts.light_cameras, 1u)})
+                   .map(keep(frame.shadow_));
     }
     const bool emission = frame.emission_ = plan.needs("voxels.emission");
     const bool environment = plan.needs("cones.environment");
     frame.sky_map_ = plan.needs("sky.map");
     frame.sky_pixels_ = plan.needs("sky.pixels");
     if (made && (frame.sky_map_ || frame.sky_pixels_)) {
-        made = keep(atmosphere ? sky::Sky::create(device, *atmosphere, settings.sky)
-                               : sky::Sky::create(device, sky::nothing(), sky::least_settings()),
-                    frame.sky_);
+        made = (atmosphere ? sky::Sky::create(device, *atmosphere, settings.sky)
+                           : sky::Sky::create(device, sky::nothing(), sky::least_settings()))
+                   .map(keep(frame.sky_));
     }
     if (made && frame.sky_pixels_) made = frame.sky_->create_pixels(device, settings.size);
     const bool sky_lights = frame.sky_map_ && facts.sky;
@@ -60,54 +53,53 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& asked, const Pl
     voxels::OctreeSize octree;
     if (made && plan.needs("voxels") && settings.voxels.storage == voxels::Storage::octree) {
         made = voxels::count_octree(device, geometry, settings.voxels.resolution, settings.voxels.voxelizer)
-                   .map([&](voxels::OctreeSize size) { octree = std::move(size); });
+                   .map(keep(octree));
     }
     if (made && plan.needs("voxels")) {
-        made = keep(voxels::Volume::create(device, settings.voxels,
-                                           {.emission = emission,
-                                            .alpha_mask = plan.needs("voxels.mask"),
-                                            .translucent = plan.needs("voxels.opacity"),
-                                            .lights = plan.needs("voxels.light"),
-                                            .several_lights = facts.several_lights,
-                                            .normals = plan.needs("voxels.bounce"),
-                                            .triangles = voxels::count_triangles(geometry),
-                                            .draws = uint32_t(geometry.draws.size()),
-                                            .octree = std::move(octree)}),
-                    frame.volume_);
+        made = voxels::Volume::create(device, settings.voxels,
+                                      {.emission = emission,
+                                       .alpha_mask = plan.needs("voxels.mask"),
+                                       .translucent = plan.needs("voxels.opacity"),
+                                       .lights = plan.needs("voxels.light"),
+                                       .several_lights = facts.several_lights,
+                                       .normals = plan.needs("voxels.bounce"),
+                                       .triangles = voxels::count_triangles(geometry),
+                                       .draws = uint32_t(geometry.draws.size()),
+                                       .octree = std::move(octree)})
+                   .map(keep(frame.volume_));
     }
     if (made && plan.needs("cones.emitters")) {
-        made = keep(cones::Emitters::create(device, settings.voxels), frame.emitters_);
+        made = cones::Emitters::create(device, settings.voxels).map(keep(frame.emitters_));
     }
     if (made && plan.needs("voxels.bounce")) {
-        made =
-            keep(bounce::Bounce::create(device,
-                                        {.bounces = settings.bounces,
-                                         .cones = settings.cones,
-                                         .rays = settings.gatherer == Gatherer::cones ? 0 : *settings.rays},
-                                        {.emission = emission,
-                                         .environment = environment,
-                                         .sky = sky_lights,
-                                         .several_lights = facts.several_lights},
-                                        *frame.volume_),
-                 frame.bounce_);
+        made = bounce::Bounce::create(device,
+                                      {.bounces = settings.bounces,
+                                       .cones = settings.cones,
+                                       .rays = settings.gatherer == Gatherer::cones ? 0 : *settings.rays},
+                                      {.emission = emission,
+                                       .environment = environment,
+                                       .sky = sky_lights,
+                                       .several_lights = facts.several_lights},
+                                      *frame.volume_)
+                   .map(keep(frame.bounce_));
     }
     if (made && plan.needs("cones")) {
-        made = keep(cones::Irradiance::create(device, settings.cones, gather_needs, settings.size),
-                    frame.irradiance_);
+        made = cones::Irradiance::create(device, settings.cones, gather_needs, settings.size)
+                   .map(keep(frame.irradiance_));
     }
     if (made && plan.needs("cones.rays")) {
-        made = keep(cones::Rays::create(
-                        device, {.count = *settings.rays, .smoothed = settings.gatherer == Gatherer::rays},
-                        gather_needs, settings.size),
-                    frame.rays_);
+        made = cones::Rays::create(device,
+                                   {.count = *settings.rays, .smoothed = settings.gatherer == Gatherer::rays},
+                                   gather_needs, settings.size)
+                   .map(keep(frame.rays_));
     }
     if (made && plan.needs("cones.ao")) {
-        made = keep(cones::Irradiance::create(device, settings.cones,
-                                              {.anisotropic = gather_needs.anisotropic,
-                                               .octree_levels = gather_needs.octree_levels,
-                                               .occlusion = true},
-                                              settings.size),
-                    frame.ao_);
+        made = cones::Irradiance::create(device, settings.cones,
+                                         {.anisotropic = gather_needs.anisotropic,
+                                          .octree_levels = gather_needs.octree_levels,
+                                          .occlusion = true},
+                                         settings.size)
+                   .map(keep(frame.ao_));
     }
     const bool gathers = frame.irradiance_ || frame.rays_;
     const bool specular = plan.needs("cones.specular");
@@ -118,7 +110,7 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& asked, const Pl
         });
     }
     if (made && specular)
-        made = keep(cones::Specular::create(device, gather_needs, settings.size), frame.specular_);
+        made = cones::Specular::create(device, gather_needs, settings.size).map(keep(frame.specular_));
     if (made) {
         lighting::Needs needs = lighting::blend_needs_of(geometry);
         needs.lights = plan.needs("shadow");
@@ -132,12 +124,12 @@ Result<Frame> Frame::create(rhi::Device& device, const Settings& asked, const Pl
         needs.blend = frame.blend_ = plan.needs("blend");
         needs.diffuse_materials = settings.diffuse_materials;
         needs.gather = gather_needs;
-        made = keep(lighting::Lighting::create(device, settings.size, needs), frame.lighting_);
+        made = lighting::Lighting::create(device, settings.size, needs).map(keep(frame.lighting_));
     }
     if (made && plan.needs("post")) {
-        made = keep(post::Post::create(device, settings.post, settings.size), frame.post_);
+        made = post::Post::create(device, settings.post, settings.size).map(keep(frame.post_));
     }
-    if (made) made = keep(Layers::create(device, settings), frame.layers_);
+    if (made) made = Layers::create(device, settings).map(keep(frame.layers_));
     if (!made) return tl::unexpected(made.error());
     return frame;
 }

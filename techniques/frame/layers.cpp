@@ -2,14 +2,14 @@
 
 #include <string>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::frame {
 namespace {
 
 using rhi::Dimension;
 
-rhi::Groups pixel_groups(rhi::Extent size) {
-    return {rhi::groups_for(size.width, 8), rhi::groups_for(size.height, 8)};
-}
+rhi::Groups pixel_groups(rhi::Extent size) { return rhi::groups_for(size, {8, 8}); }
 
 /// dot(plane, (world, 1)) is the distance along the optical axis.
 glm::vec4 axis_plane(const scene::Camera& camera) {
@@ -33,7 +33,6 @@ Result<Layers> Layers::create(rhi::Device& device, const Settings& settings) {
     }
     if (layers.textures_.empty()) return layers;
 
-    const auto keep = [](auto& place) { return [&place](auto made) { place = std::move(made); }; };
     Result<void> made = device
                             .create_sampler({.magnification = rhi::FilterMode::nearest,
                                              .minification = rhi::FilterMode::nearest})

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::gbuffer {
 
 using rhi::CullMode;
@@ -63,7 +65,7 @@ Result<GBuffer> GBuffer::create(rhi::Device& device, rhi::Extent size, const Nee
                              .format = format,
                              .extent = size,
                              .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::attachment})
-            .map([&](rhi::Texture texture) { target = std::move(texture); });
+            .map(keep(target));
     };
     return make(made.base_color_metallic_, "gbuffer.base_color_metallic", Format::rgba8_srgb)
         .and_then(

@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::lighting {
 
 using rhi::CullMode;
@@ -52,20 +54,20 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
                              .format = Format::rgba32_float,
                              .extent = size,
                              .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::storage | more})
-            .map([&](rhi::Texture texture) { target = std::move(texture); });
+            .map(keep(target));
     };
     const auto blend_usage = needs.blend ? rhi::TextureUsage::attachment : rhi::TextureUsage::none;
     auto done = make_target(made.radiance_, "lighting.radiance", blend_usage).and_then([&] {
         return device
             .create_sampler(
                 {.magnification = rhi::FilterMode::nearest, .minification = rhi::FilterMode::nearest})
-            .map([&](rhi::Sampler sampler) { made.sampler_ = std::move(sampler); });
+            .map(keep(made.sampler_));
     });
     if (!needs.lights) {
         done = done.and_then([&] {
             return device
                 .create_texture({.name = "lighting.no_shadow_maps", .dimension = Dimension::d2_array})
-                .map([&](rhi::Texture texture) { made.no_shadow_maps_ = std::move(texture); });
+                .map(keep(made.no_shadow_maps_));
         });
     }
     const auto make_shade = [&]<class P>(rhi::ComputePipeline<P>& pipeline) {
@@ -76,7 +78,7 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
                                          .diffuse_materials = needs.diffuse_materials,
                                          .specular_light = needs.specular,
                                          .sky = needs.sky})
-            .map([&](rhi::ComputePipeline<P> shade) { pipeline = std::move(shade); });
+            .map(keep(pipeline));
     };
     if (needs.layers) {
         done = done.and_then([&] { return make_target(made.direct_, "lighting.direct", {}); })
@@ -110,8 +112,7 @@ Result<Lighting> Lighting::create(rhi::Device& device, rhi::Extent size, const N
     if (needs.blend_air && needs.sky_in_parts) {
         done = done.and_then([&] { return make_target(made.share_, "lighting.share", blend_usage); })
                    .and_then([&] {
-                       return device.create_compute_pipeline<shaders::lighting::add>().map(
-                           [&](auto pipeline) { made.add_ = std::move(pipeline); });
+                       return device.create_compute_pipeline<shaders::lighting::add>().map(keep(made.add_));
                    });
     }
     return done.map([&] { return std::move(made); });
@@ -223,7 +224,7 @@ void Lighting::blend(rhi::Commands& commands, const Inputs& inputs, const Analyt
             .dispatch(add_,
                       {.share = {target.view<Dimension::d2>(), sampler_},
                        .radiance = radiance_.view<Dimension::d2>()},
-                      {}, {rhi::groups_for(g.size.width, 8), rhi::groups_for(g.size.height, 8)});
+                      {}, rhi::groups_for(g.size, {8, 8}));
     }
 }
 
@@ -236,7 +237,7 @@ View Lighting::record(rhi::Commands& commands, const Inputs& inputs) {
         .shadow_maps = {inputs.lights ? inputs.lights->depth : no_shadow_maps_.view<Dimension::d2_array>(),
                         sampler_}};
     const auto sampled = [&](rhi::View<Dimension::d2> v) { return rhi::Sampled<Dimension::d2>(v, sampler_); };
-    const rhi::Groups groups{rhi::groups_for(g.size.width, 8), rhi::groups_for(g.size.height, 8)};
+    const rhi::Groups groups = rhi::groups_for(g.size, {8, 8});
     {
         rhi::Pass pass = commands.pass("lighting.shade");
         const auto emission = sampled(g.emission.value_or(g.base_color_metallic));

@@ -51,8 +51,7 @@ rhi::View<Dimension::d2> Post::record(rhi::Commands& commands, rhi::View<Dimensi
     const rhi::Extent size = display_.desc().extent;
     rhi::Pass pass = commands.pass("post.display");
     pass.dispatch(pipeline_, {{radiance, sampler_}, display_.view<Dimension::d2>()},
-                  {.exposure = std::exp2(settings_.exposure)},
-                  {rhi::groups_for(size.width, 8), rhi::groups_for(size.height, 8)});
+                  {.exposure = std::exp2(settings_.exposure)}, rhi::groups_for(size, {8, 8}));
     return display_.view<Dimension::d2>();
 }
 

@@ -6,6 +6,8 @@
 #include <glm/gtc/constants.hpp>
 #include <utility>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::shadow {
 
 using rhi::Dimension;
@@ -71,7 +73,7 @@ Result<Shadow> Shadow::create(rhi::Device& device, const Settings& settings, con
                              .extent = {made.settings_.resolution, made.settings_.resolution},
                              .layers = needs.cameras,
                              .usage = rhi::TextureUsage::sampled | rhi::TextureUsage::attachment})
-            .map([&](rhi::Texture texture) { target = std::move(texture); });
+            .map(keep(target));
     };
     rhi::RasterState state{.depth = rhi::DepthState{}, .cull = rhi::CullMode::none};
     if (settings.position_target) state.color = {{.format = rhi::Format::rgba32_float}};
@@ -85,18 +87,18 @@ Result<Shadow> Shadow::create(rhi::Device& device, const Settings& settings, con
             done = done.and_then([&] {
                 return device
                     .create_raster_pipeline<shaders::shadow::position>(state, {.alpha_test = alpha_test})
-                    .map([&](auto pipeline) { made.position_pipelines_[alpha_test] = std::move(pipeline); });
+                    .map(keep(made.position_pipelines_[alpha_test]));
             });
         }
     } else {
         done = done.and_then([&] {
             return device.create_raster_pipeline<shaders::shadow::depth>(state).map(
-                [&](auto pipeline) { made.depth_pipeline_ = std::move(pipeline); });
+                keep(made.depth_pipeline_));
         });
         if (needs.alpha_mask)
             done = done.and_then([&] {
                 return device.create_raster_pipeline<shaders::shadow::masked>(state).map(
-                    [&](auto pipeline) { made.masked_pipeline_ = std::move(pipeline); });
+                    keep(made.masked_pipeline_));
             });
     }
     return done.map([&] { return std::move(made); });

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
+#include "rhi/keep.hpp"
 #include "scene/sky.hpp"
 #include "techniques/atmosphere/stored.hpp"
 
@@ -103,7 +104,6 @@ Result<Sky> Sky::create(rhi::Device& device, const scene::Atmosphere& atmosphere
         first += count;
     }
 
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     return device
         .create_texture({.name = "sky.map",
                          .dimension = Dimension::d3,
@@ -122,7 +122,6 @@ Result<Sky> Sky::create(rhi::Device& device, const scene::Atmosphere& atmosphere
 }
 
 Result<void> Sky::create_pixels(rhi::Device& device, rhi::Extent size) {
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     const auto make_target = [&](rhi::Texture& target, const char* name) {
         return device
             .create_texture({.name = name,
@@ -193,8 +192,7 @@ Pixels Sky::record_pixels(rhi::Commands& commands, const gbuffer::View& gbuffer,
              .view = commands.uniform(block(part, sky, camera.position))});
 
     rhi::Pass pass = commands.pass("sky.pixels");
-    const rhi::Groups groups{rhi::groups_for(gbuffer.size.width, group_side),
-                             rhi::groups_for(gbuffer.size.height, group_side)};
+    const rhi::Groups groups = rhi::groups_for(gbuffer.size, {group_side, group_side});
     for (size_t i = 0; i < parts_.size(); ++i) {
         for (const bool behind : {true, false}) {
             const atmosphere::Sky tables = behind ? parts_[i].tables->sky(commands) : pixels.before[i].tables;

@@ -3,6 +3,8 @@
 #include <array>
 #include <span>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::voxels {
 
 using rhi::Dimension;
@@ -28,7 +30,6 @@ Result<Blocks> Blocks::create(rhi::Device& device, uint32_t resolution) {
     Blocks made;
     made.side_ = resolution / block_side;
     const uint64_t count = uint64_t(made.side_) * made.side_ * made.side_;
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     return device.create_buffer({.name = "voxels.block_marks", .size = 4 * count})
         .map(keep(made.marks_))
         .and_then([&] {

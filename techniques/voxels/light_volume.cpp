@@ -1,5 +1,7 @@
 #include "techniques/voxels/light_volume.hpp"
 
+#include "rhi/keep.hpp"
+
 namespace lumo::voxels {
 
 using rhi::Dimension;
@@ -38,7 +40,6 @@ LightVolumeView view_of(const LightVolume& volume) {
 
 Result<Mips> Mips::create(rhi::Device& device, MipKind kind) {
     Mips mips;
-    const auto keep = [](auto& place) { return [&place](auto made) { place = std::move(made); }; };
     Result<void> made = device
                             .create_sampler({.magnification = rhi::FilterMode::nearest,
                                              .minification = rhi::FilterMode::nearest})
@@ -75,9 +76,7 @@ void Mips::record(rhi::Pass& pass, const LightVolume& volume, const Blocks* bloc
         if (blocks && listed) {
             pass.dispatch_indirect(pipelines[1], bindings, {}, blocks->groups_of_eight());
         } else {
-            pass.dispatch(pipelines[0], bindings, {},
-                          {rhi::groups_for(extent.width, 4), rhi::groups_for(extent.height, 4),
-                           rhi::groups_for(extent.depth, 4)});
+            pass.dispatch(pipelines[0], bindings, {}, rhi::groups_for(extent, {4, 4, 4}));
         }
     };
     // Level 1 of both kinds and level 2 of six directions in the blocks alone; of what is coarser, all is little.

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <numeric>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::voxels {
 
 using rhi::Dimension;
@@ -34,7 +36,6 @@ uint32_t OctreeSize::coarse_nodes() const {
 Result<Occupancy> Occupancy::create(rhi::Device& device, uint32_t resolution) {
     Occupancy made;
     made.levels_ = uint32_t(std::countr_zero(resolution));
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     const rhi::Extent extent{resolution / 4, resolution / 4, resolution / 2};
     Result<void> done =
         device
@@ -106,10 +107,7 @@ void Occupancy::clear(rhi::Commands& commands) {
 
 void Occupancy::record(rhi::Commands& commands) {
     rhi::Pass pass = commands.pass("octree.nodes");
-    const auto groups = [](const rhi::Extent& extent) {
-        return rhi::Groups{rhi::groups_for(extent.width, 4), rhi::groups_for(extent.height, 4),
-                           rhi::groups_for(extent.depth, 4)};
-    };
+    const auto groups = [](const rhi::Extent& extent) { return rhi::groups_for(extent, {4, 4, 4}); };
     for (uint32_t level = 1; level < bits_.desc().mips; ++level) {
         pass.dispatch(
             coarsen_,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::voxels {
 namespace {
 
@@ -38,7 +40,6 @@ Result<Octree> Octree::create(rhi::Device& device, const OctreeSettings& setting
     made.size_ = size;
     made.cell_extent_ = {cells_a_row, cells_a_row,
                          std::max(rhi::groups_for(size.voxels, cells_a_row * cells_a_row), 1u)};
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     Result<void> done = Occupancy::create(device, settings.resolution).map(keep(made.occupancy_));
     if (done) {
         rhi::TextureDesc nodes = volume("octree.nodes", Format::rg32_uint, made.occupancy_.words(0));
@@ -62,7 +63,6 @@ Result<Octree> Octree::create(rhi::Device& device, const OctreeSettings& setting
 }
 
 Result<void> Octree::create_pipelines(rhi::Device& device) {
-    const auto keep = [](auto& place) { return [&place](auto value) { place = std::move(value); }; };
     const auto levels_log2 = int32_t(levels());
     Result<void> done = device
                             .create_compute_pipeline<shaders::voxels::octree_index>(
@@ -104,8 +104,7 @@ void Octree::index(rhi::Commands& commands) {
                        .block = int32_t(Occupancy::scan_block),
                        .most_nodes = int32_t(level == 0 ? size_.fine_nodes() : size_.coarse_nodes()),
                        .most_voxels = int32_t(size_.voxels)},
-                      {rhi::groups_for(words.width, 4), rhi::groups_for(words.height, 4),
-                       rhi::groups_for(words.depth, 4)});
+                      rhi::groups_for(words, {4, 4, 4}));
     }
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <fmt/format.h>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::voxels {
 namespace {
 
@@ -107,7 +109,7 @@ Result<void> Sums::create_textures(rhi::Device& device, rhi::Extent cells) {
                            floats_);
         })
         .and_then([&] { return device.create_buffer({.name = "voxels.dropped", .size = 4}); })
-        .map([&](rhi::Buffer made) { dropped_ = std::move(made); });
+        .map(keep(dropped_));
 }
 
 Result<void> Sums::create_voxelizers(rhi::Device& device, const VoxelizerNeeds& needs) {
@@ -124,7 +126,7 @@ Result<void> Sums::create_voxelizers(rhi::Device& device, const VoxelizerNeeds& 
         };
         const auto create = [&]<class Destination>(std::optional<Voxelizer<Destination>>& place) {
             return Voxelizer<Destination>::create(device, settings_.voxelizer, needs, options)
-                .map([&](Voxelizer<Destination> voxelizer) { place = std::move(voxelizer); });
+                .map(keep(place));
         };
         made = is_order_free(settings_.range) ? create(added_[emission]) : create(exchanged_by_[emission]);
     }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "rhi/keep.hpp"
 #include "rhi/rhi.hpp"
 #include "scene/gpu_scene.hpp"
 
@@ -137,7 +138,6 @@ Result<Voxelizer<Destination>> Voxelizer<Destination>::create(rhi::Device& devic
     Voxelizer voxelizer;
     voxelizer.kind_ = kind;
     voxelizer.draws_ = needs.draws;
-    const auto keep = [](auto& place) { return [&place](auto made) { place = std::move(made); }; };
     Result<void> made;
     for (const bool masked : {false, true}) {
         if (masked && !needs.alpha_mask) continue;

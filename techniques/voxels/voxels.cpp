@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
+#include "rhi/keep.hpp"
+
 namespace lumo::voxels {
 namespace {
 
@@ -74,7 +76,6 @@ Result<Volume> Volume::create(rhi::Device& device, const Settings& settings, con
 
 Result<void> Volume::create_octree(rhi::Device& device) {
     const uint32_t resolution = settings_.resolution;
-    const auto keep = [](auto& place) { return [&place](auto made) { place = std::move(made); }; };
     cells_ = {resolution, resolution, resolution};
     Result<void> made = device
                             .create_sampler({.magnification = rhi::FilterMode::nearest,
@@ -132,7 +133,6 @@ Result<void> Volume::create_textures(rhi::Device& device) {
         *w.texture = std::move(*made);
     }
     empty_volumes(device, {&albedo_, &area_, &normal_, &direct_flux_});
-    const auto keep = [](LightVolume& place) { return [&](LightVolume made) { place = std::move(made); }; };
     Result<void> made = create_light(device, "voxels.radiance").map(keep(radiance_));
     if (made && needs_.emission) made = create_light(device, "voxels.emission").map(keep(emission_));
     return made;
@@ -161,9 +161,7 @@ void Volume::for_each_cell(rhi::Pass& pass, const rhi::ComputePipeline<P>& pipel
     if (blocks_) {
         pass.dispatch_indirect(pipeline, bindings, push, blocks_->groups());
     } else {
-        pass.dispatch(pipeline, bindings, push,
-                      {rhi::groups_for(cells_.width, 4), rhi::groups_for(cells_.height, 4),
-                       rhi::groups_for(cells_.depth, 4)});
+        pass.dispatch(pipeline, bindings, push, rhi::groups_for(cells_, {4, 4, 4}));
     }
 }
 
@@ -176,7 +174,6 @@ CellLookup Volume::lookup() const {
 rhi::BufferSlice Volume::voxel_list() const { return octree_ ? octree_->voxels() : no_records_.slice(); }
 
 Result<void> Volume::create_pipelines(rhi::Device& device) {
-    const auto keep = [](auto& pipeline) { return [&pipeline](auto made) { pipeline = std::move(made); }; };
     Result<void> made = Sums::create(device,
                                      {.range = settings_.range,
                                       .voxelizer = settings_.voxelizer,

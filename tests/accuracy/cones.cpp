@@ -57,8 +57,7 @@ TEST_P(ConesTest, EmptyGridGivesTheEnvironmentsIrradiance) {
                                            {.source = {gathered, point},
                                             .layer = target.view<rhi::Dimension::d2>(),
                                             .camera = seen.camera},
-                                           {},
-                                           {rhi::groups_for(size.width, 8), rhi::groups_for(size.height, 8)});
+                                           {}, rhi::groups_for(size, {8, 8}));
             must(device().wait(device().submit(std::move(commands))));
 
             const Picture depth = download(device(), gbuffer.depth()), picture = download(device(), target);

@@ -33,7 +33,7 @@ struct GBufferTest : DeviceTest {
             .dispatch(
                 pipeline,
                 {{depth.view<rhi::Dimension::d2>(), sampler}, camera, result.view<rhi::Dimension::d2>()}, {},
-                {rhi::groups_for(size.width, 8), rhi::groups_for(size.height, 8)});
+                rhi::groups_for(size, {8, 8}));
         value_of(device().wait(device().submit(std::move(commands))));
         return download(device(), result);
     }

@@ -40,7 +40,7 @@ scene::Image8 picture(rhi::Device& device) {
     {
         rhi::Pass pass = commands.pass("ramp");
         pass.dispatch(ramp, {.radiance = radiance.view<rhi::Dimension::d2>()}, {.step = step},
-                      {rhi::groups_for(size.width, 8), rhi::groups_for(size.height, 8)});
+                      rhi::groups_for(size, {8, 8}));
     }
     post.record(commands, radiance.view<rhi::Dimension::d2>());
     must(device.wait(device.submit(std::move(commands))));
