@@ -381,8 +381,9 @@ class Generator {
                 arrays += fmt::format("{}0x{:x},", i % 12 == 0 ? "\n    " : " ", stage.spirv[i]);
             }
             arrays += "\n};\n\n";
-            arrays +=
-                fmt::format("constexpr std::string_view {}_glsl = R\"glsl({})glsl\";\n\n", name, stage.glsl);
+            // With its length: compilers count no further than 262 144 characters for a constant.
+            arrays += fmt::format("constexpr std::string_view {}_glsl(R\"glsl({})glsl\", {});\n\n", name,
+                                  stage.glsl, stage.glsl.size());
             stages += fmt::format("    {{rhi::Stages::{0}, {0}_spirv, {0}_glsl}},\n", name);
         }
         std::string bindings;

@@ -1,4 +1,1 @@
-#ifndef CONSTANTS_GLSL
-#define CONSTANTS_GLSL
 const float pi = 3.14159265358979;
-#endif

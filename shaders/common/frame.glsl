@@ -1,6 +1,3 @@
-#ifndef FRAME_GLSL
-#define FRAME_GLSL
-
 // Two unit vectors that make a right-handed frame with a unit normal (Duff et al. 2017, Building an Orthonormal
 // Basis, Revisited).
 mat3 frame_about(vec3 n) {
@@ -11,4 +8,3 @@ mat3 frame_about(vec3 n) {
     precise vec3 up = vec3(b, s + n.y * n.y * a, -n.y);
     return mat3(right, up, n);
 }
-#endif

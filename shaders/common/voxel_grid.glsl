@@ -2,9 +2,6 @@
 //
 // Grid space: voxel (i, j, k) covers [i, i+1) x [j, j+1) x [k, k+1), axes along the world's.
 
-#ifndef VOXEL_GRID_GLSL
-#define VOXEL_GRID_GLSL
-
 struct VoxelGrid {
     vec3 origin;             // world position of grid space's origin, metres
     float voxels_per_metre;
@@ -33,4 +30,3 @@ float encode_area(float area) {
 float decode_area(float encoded) {
     return encoded * encoded * max_voxel_area;
 }
-#endif

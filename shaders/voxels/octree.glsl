@@ -14,8 +14,6 @@
 // A node's values are a brick of 5 x 5 x 5 texels in a pool: its voxels and the next ones on the far sides, so that the
 // neighbours of every place in the node are texels of its own brick. Level 0 has one pool, all other levels another.
 
-#ifndef OCTREE_GLSL
-#define OCTREE_GLSL
 #include "voxels/occupancy.glsl"
 
 layout(constant_id = 24) const int octree_levels = 0;  // 0: voxels lie in a dense volume
@@ -59,4 +57,3 @@ ivec3 node_of_bit(ivec3 word, int bit) {
     return word * ivec3(4, 4, 2) +
            ivec3((bit & 1) | (bit >> 3 & 1) << 1, (bit >> 1 & 1) | (bit >> 4 & 1) << 1, bit >> 2 & 1);
 }
-#endif

@@ -1,8 +1,5 @@
 // A ray through a grid from voxel to voxel, across their faces (Amanatides & Woo 1987, A Fast Voxel Traversal Algorithm
 // for Ray Tracing). In grid space.
-#ifndef VOXELS_WALK_GLSL
-#define VOXELS_WALK_GLSL
-
 struct Walk {
     ivec3 voxel;
     ivec3 way;    // to the next voxel along each axis
@@ -34,4 +31,3 @@ void step_walk(inout Walk walk) {
         walk.leaves.z += walk.across.z;
     }
 }
-#endif
